@@ -1,0 +1,206 @@
+// SPDX-FileCopyrightText: 2026 The Reprise authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Time of one blended frame, and of its back-substitution beside those of CHOLMOD and Eigen on the same
+// matrix in the same run. One thread, processor time. Uses two captured frames if REPRISE_DATA names a folder
+// of captures, else a sphere.
+
+#include <algorithm>
+#include <cstdlib>
+#include <ctime>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <Eigen/SparseCholesky>
+#include <cholmod.h>
+#include <fmt/format.h>
+
+#include "reprise/deform/blend.h"
+#include "reprise/io/sequence_reader.h"
+#include "support/shapes.h"
+
+namespace {
+
+using namespace reprise;
+
+// Processor time of this thread in milliseconds: other work on the machine does not count.
+double thread_ms() {
+  timespec time = {};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
+}
+
+// Median time in milliseconds.
+template <typename Work>
+double median_ms(const Work& work) {
+  std::vector<double> times;
+  for (int repeat = 0; repeat < 210; ++repeat) {
+    const double start = thread_ms();
+    work();
+    if (repeat >= 10) times.push_back(thread_ms() - start);
+  }
+  std::nth_element(times.begin(), times.begin() + 100, times.end());
+  return times[100];
+}
+
+struct Pair {
+  std::string name;
+  TopologyPtr topology;
+  Positions source;
+  Positions target;
+};
+
+Pair load_pair() {
+  if (const char* folder = std::getenv("REPRISE_DATA"); folder != nullptr) {
+    const std::filesystem::path ama = std::filesystem::path(folder) / "ama";
+    const auto crane = open_sequence({.path = ama / "crane"});
+    return {"ama crane 20, jumping 60", crane->topology(), crane->read(20).positions,
+            open_sequence({.path = ama / "jumping"})->read(60).positions};
+  }
+  test::Shape sphere = test::sphere(5);
+  for (Eigen::Index v = 0; v < sphere.positions.rows(); ++v) sphere.positions(v, 0) *= 1.5F;
+  Positions target = sphere.positions;
+  for (Eigen::Index v = 0; v < target.rows(); ++v) target(v, 2) += 0.3F * target(v, 0) * target(v, 0);
+  return {"sphere", sphere.topology, sphere.positions, target};
+}
+
+PositionsView view(const Positions& positions) {
+  return {positions.data(), positions.rows(), 3};
+}
+
+// CHOLMOD factor of the lower triangle of `A`, and its solve with workspace kept between calls.
+class CholmodPeer {
+ public:
+  CholmodPeer(Eigen::SparseMatrix<double> A, int mode, int ordering) : A_(std::move(A)) {
+    cholmod_start(&common_);
+    common_.supernodal = mode;
+    common_.final_ll = 1;
+    common_.nmethods = 1;
+    common_.method[0].ordering = ordering;
+    cholmod_sparse view = {};
+    view.nrow = view.ncol = static_cast<std::size_t>(A_.rows());
+    view.nzmax = static_cast<std::size_t>(A_.nonZeros());
+    view.p = A_.outerIndexPtr();
+    view.i = A_.innerIndexPtr();
+    view.x = A_.valuePtr();
+    view.stype = -1;
+    view.itype = CHOLMOD_INT;
+    view.xtype = CHOLMOD_REAL;
+    view.dtype = CHOLMOD_DOUBLE;
+    view.sorted = view.packed = 1;
+    factor_ = cholmod_analyze(&view, &common_);
+    cholmod_factorize(&view, factor_, &common_);
+  }
+  ~CholmodPeer() {
+    cholmod_free_dense(&x_, &common_);
+    cholmod_free_dense(&y_, &common_);
+    cholmod_free_dense(&e_, &common_);
+    cholmod_free_factor(&factor_, &common_);
+    cholmod_finish(&common_);
+  }
+  CholmodPeer(const CholmodPeer&) = delete;
+  CholmodPeer& operator=(const CholmodPeer&) = delete;
+
+  Eigen::Map<Eigen::MatrixXd> solve(Eigen::MatrixXd& b) {
+    cholmod_dense dense = {};
+    dense.nrow = dense.d = static_cast<std::size_t>(b.rows());
+    dense.ncol = static_cast<std::size_t>(b.cols());
+    dense.nzmax = dense.nrow * dense.ncol;
+    dense.x = b.data();
+    dense.xtype = CHOLMOD_REAL;
+    dense.dtype = CHOLMOD_DOUBLE;
+    cholmod_solve2(CHOLMOD_A, factor_, &dense, nullptr, &x_, nullptr, &y_, &e_, &common_);
+    return {static_cast<double*>(x_->x), b.rows(), b.cols()};
+  }
+  double factor_nonzeros() const { return common_.lnz; }
+
+ private:
+  Eigen::SparseMatrix<double> A_;
+  cholmod_common common_ = {};
+  cholmod_factor* factor_ = nullptr;
+  cholmod_dense* x_ = nullptr;
+  cholmod_dense* y_ = nullptr;
+  cholmod_dense* e_ = nullptr;
+};
+
+void row(const char* what, double ms, double baseline, double nonzeros, double error) {
+  fmt::print("  {:44} {:8.3f} ms  x{:<6.2f} {:>9.0f} entries   error {:.1e}\n", what, ms, ms / baseline,
+             nonzeros, error);
+}
+
+}  // namespace
+
+int main() {
+  const Pair pair = load_pair();
+  const double start = thread_ms();
+  const PoissonReconstruction poisson(pair.topology, view(pair.source));
+  const double set_up = thread_ms() - start;
+  fmt::print(
+      "{}: {} vertices, {} triangles; set-up once {:.0f} ms; medians of 200, one thread, processor time\n\n",
+      pair.name, pair.topology->vertex_count, pair.topology->triangles.size(), set_up);
+
+  Positions blended(pair.source.rows(), 3);
+  const double blend = median_ms([&] {
+    blend_frames(poisson, view(pair.source), view(pair.target), 0.4,
+                 PositionsRef(blended.data(), blended.rows(), 3));
+  });
+  const double gradients = median_ms([&] { poisson.gradients(view(pair.target)); });
+  const GradientField field = poisson.gradients(view(pair.source));
+  const GradientField target_field = poisson.gradients(view(pair.target));
+  const double interpolation = median_ms([&] { interpolate(field, target_field, 0.4); });
+  const Eigen::MatrixX3d centroids = poisson.component_centroids(view(pair.source));
+  const double reconstruction = median_ms([&] { poisson.reconstruct(field, centroids); });
+
+  // The matrix as it is factorised: one vertex of each component held, here one component.
+  Eigen::SparseMatrix<double> L = poisson.laplacian();
+  L.coeffRef(0, 0) *= 2.0;
+  const Eigen::SparseMatrix<double> lower = L.triangularView<Eigen::Lower>();
+  const Eigen::MatrixXd truth = pair.source.cast<double>();
+  Eigen::MatrixXd b = L * truth;
+  const auto error = [&](const Eigen::MatrixXd& x) { return (x - truth).cwiseAbs().maxCoeff(); };
+
+  CholmodPeer simplicial(lower, CHOLMOD_SIMPLICIAL, CHOLMOD_AMD);
+  CholmodPeer simplicial_metis(lower, CHOLMOD_SIMPLICIAL, CHOLMOD_METIS);
+  CholmodPeer supernodal(lower, CHOLMOD_SUPERNODAL, CHOLMOD_AMD);
+  CholmodPeer supernodal_metis(lower, CHOLMOD_SUPERNODAL, CHOLMOD_METIS);
+  const double baseline = median_ms([&] { simplicial.solve(b); });
+
+  fmt::print("one frame\n");
+  const auto stage = [](const char* what, double ms) { fmt::print("  {:44} {:8.3f} ms\n", what, ms); };
+  stage("blend_frames: gradients, blend, solve, write", blend);
+  stage("one gradient field alone", gradients);
+  stage("interpolate alone", interpolation);
+  stage("reconstruct alone", reconstruction);
+
+  fmt::print("\nback-substitution, 3 right-hand sides (ratio to CHOLMOD simplicial)\n");
+  {
+    const SparseCholesky cholesky(lower);
+    const SparseCholesky::RowMajorMatrix rhs = b;
+    SparseCholesky::RowMajorMatrix x = rhs;
+    const double ms = median_ms([&] {
+      x = rhs;
+      cholesky.solve_in_place(x);
+    });
+    row("Reprise SparseCholesky, row-major", ms, baseline, static_cast<double>(cholesky.factor_nonzeros()),
+        error(x));
+    row("Reprise SparseCholesky, column-major", median_ms([&] { cholesky.solve(b); }), baseline,
+        static_cast<double>(cholesky.factor_nonzeros()), error(cholesky.solve(b)));
+  }
+  row("CHOLMOD simplicial, AMD", baseline, baseline, simplicial.factor_nonzeros(),
+      error(simplicial.solve(b)));
+  row("CHOLMOD simplicial, METIS", median_ms([&] { simplicial_metis.solve(b); }), baseline,
+      simplicial_metis.factor_nonzeros(), error(simplicial_metis.solve(b)));
+  row("CHOLMOD supernodal (GPL), AMD", median_ms([&] { supernodal.solve(b); }), baseline,
+      supernodal.factor_nonzeros(), error(supernodal.solve(b)));
+  row("CHOLMOD supernodal (GPL), METIS", median_ms([&] { supernodal_metis.solve(b); }), baseline,
+      supernodal_metis.factor_nonzeros(), error(supernodal_metis.solve(b)));
+  {
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> ldlt(L);
+    Eigen::MatrixXd x;
+    const double ms = median_ms([&] { x = ldlt.solve(b); });
+    row("Eigen SimplicialLDLT", ms, baseline,
+        static_cast<double>(ldlt.matrixL().nestedExpression().nonZeros()), error(x));
+  }
+  return 0;
+}

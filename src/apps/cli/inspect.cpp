@@ -1,0 +1,81 @@
+// SPDX-FileCopyrightText: 2026 The Reprise authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "reprise/pipeline/inspect.h"
+
+#include <filesystem>
+#include <memory>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "command.h"
+
+namespace reprise::cli {
+
+Action add_info(CLI::App& command) {
+  struct Arguments {
+    std::filesystem::path database;
+    bool json = false;
+  };
+  const auto arguments = std::make_shared<Arguments>();
+  command.add_option("database", arguments->database, "a .reprise file")->required();
+  command.add_flag("--json", arguments->json, "print JSON for machines");
+  return [arguments] {
+    const nlohmann::json info = describe_database(arguments->database);
+    if (arguments->json) {
+      fmt::print("{}\n", info.dump(2));
+      return exit_success;
+    }
+    fmt::print("{}: {} vertices, {} triangles{}, {} frames\n", info["path"].get<std::string>(),
+               info["vertices"].get<int>(), info["triangles"].get<int>(),
+               info["texture_coordinates"].get<bool>() ? ", texture coordinates" : "",
+               info["frames"].get<int>());
+    for (const nlohmann::json& clip : info["clips"]) {
+      fmt::print("  {:<20} {:>6} frames  {:>7.2f} s at {:g} fps{}{}{}\n", clip["name"].get<std::string>(),
+                 clip["frames"].get<int>(), clip["seconds"].get<double>(),
+                 clip["frames_per_second"].get<double>(), clip["colors"].get<bool>() ? "  colours" : "",
+                 clip["normals"].get<bool>() ? "  normals" : "",
+                 clip["provenance"].get<bool>() ? "  generated" : "");
+    }
+    return exit_success;
+  };
+}
+
+Action add_validate(CLI::App& command) {
+  struct Arguments {
+    std::filesystem::path path;
+    bool json = false;
+  };
+  const auto arguments = std::make_shared<Arguments>();
+  command.add_option("path", arguments->path, "a .reprise file, or a folder of numbered OBJ or PLY files")
+      ->required();
+  command.add_flag("--json", arguments->json, "print JSON for machines");
+  return [arguments] {
+    const ValidationReport report = validate_path(arguments->path);
+    const auto severity = [](const Finding& finding) {
+      return finding.severity == Finding::Severity::error ? "error" : "warning";
+    };
+    if (arguments->json) {
+      nlohmann::json findings = nlohmann::json::array();
+      for (const Finding& finding : report.findings) {
+        findings.push_back(
+            {{"severity", severity(finding)}, {"where", finding.where}, {"what", finding.what}});
+      }
+      fmt::print("{}\n", nlohmann::json{{"path", arguments->path.string()},
+                                        {"frames", report.frames},
+                                        {"ok", report.ok()},
+                                        {"findings", std::move(findings)}}
+                             .dump(2));
+    } else {
+      for (const Finding& finding : report.findings) {
+        fmt::print("{}: {}: {}\n", severity(finding), finding.where, finding.what);
+      }
+      fmt::print("{}: {} frames, {}\n", arguments->path.string(), report.frames,
+                 report.ok() ? "usable" : "not usable as it is");
+    }
+    return report.ok() ? exit_success : exit_failure;
+  };
+}
+
+}  // namespace reprise::cli

@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: 2026 The Reprise authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include <array>
+#include <cstdio>
+#include <exception>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "command.h"
+#include "reprise/core/error.h"
+#include "reprise/core/interrupt.h"
+#include "reprise/core/log.h"
+
+namespace {
+
+using reprise::cli::Action;
+using reprise::cli::Command;
+
+// In the order of the way through the house: this table is the table of contents of the program.
+constexpr std::array commands = {
+    Command{"perform", "make the database of the built-in synthetic performer", reprise::cli::add_perform},
+    Command{"import", "read captured sequences into a database", reprise::cli::add_import},
+    Command{"info", "say what a database holds", reprise::cli::add_info},
+    Command{"validate", "look for what is wrong with a database or a folder of frames",
+            reprise::cli::add_validate},
+    Command{"similarity", "compare all pairs of frames", reprise::cli::add_similarity},
+    Command{"graph", "find transitions between clips", reprise::cli::add_graph},
+    Command{"keyframes", "make a new animation through key-frames", reprise::cli::add_keyframes},
+    Command{"export", "write a clip for other programs: glTF, PC2, MDD, OBJ, PLY", reprise::cli::add_export},
+    Command{"render", "draw a clip as video or pictures", reprise::cli::add_render},
+    Command{"evaluate", "measure the quality of a result", reprise::cli::add_evaluate},
+};
+
+int run(int argc, char** argv) {
+  CLI::App app("Reprise turns 4D performance capture into a character that can perform again.", "reprise");
+  app.set_version_flag("--version", REPRISE_VERSION);
+  app.require_subcommand(1);
+  app.option_defaults()->always_capture_default();
+  bool verbose = false;
+  app.add_flag("-v,--verbose", verbose, "say more of what is being done");
+  app.get_formatter()->column_width(40);
+
+  std::vector<std::pair<CLI::App*, Action>> actions;
+  for (const Command& command : commands) {
+    CLI::App* subcommand = app.add_subcommand(command.name, command.summary);
+    actions.emplace_back(subcommand, command.add(*subcommand));
+  }
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? reprise::cli::exit_success : reprise::cli::exit_usage;
+  }
+  reprise::initialize_log(verbose);
+  reprise::install_interrupt_handler();
+  for (const auto& [subcommand, action] : actions) {
+    if (subcommand->parsed()) return action();
+  }
+  return reprise::cli::exit_usage;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    const int code = run(argc, argv);
+    if (std::fflush(stdout) != 0) throw reprise::Error("standard output cannot be written");
+    return code;
+  } catch (const reprise::Cancelled& error) {
+    fmt::print(stderr, "reprise: {}\n", error.what());
+    return reprise::cli::exit_interrupted;
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "reprise: error: out of memory\n");
+    return reprise::cli::exit_failure;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "reprise: error: {}\n", error.what());
+    return reprise::cli::exit_failure;
+  }
+}

@@ -1,0 +1,64 @@
+// SPDX-FileCopyrightText: 2026 The Reprise authors
+// SPDX-License-Identifier: Apache-2.0
+
+// A performance database: all captured clips of one performer, on one topology.
+
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "reprise/sequence/mesh_sequence.h"
+
+namespace reprise {
+
+// A frame of a clip, as the user writes it: "crane:20" is frame 20 (from 0) of clip "crane".
+struct FrameId {
+  std::size_t clip_idx = 0;
+  std::size_t frame_idx = 0;
+  bool operator==(const FrameId&) const = default;
+};
+
+class PerformanceDatabase {
+ public:
+  // Adds a clip. Throws `InvalidArgument` if it has no frames, if its name is empty, "." or "..", holds ':'
+  // or '/', or is taken, or if its topology is not that of the clips before it (says the first difference).
+  // Equal topologies become one shared object: the first that has texture coordinates, for a clip without
+  // them gains by sharing.
+  void add(MeshSequence clip);
+
+  bool empty() const { return clips_.empty(); }
+  const TopologyPtr& topology() const { return topology_; }
+  const std::vector<MeshSequence>& clips() const { return clips_; }
+  // Throws `InvalidArgument` if the index is out of range, like everything here that takes one.
+  const MeshSequence& clip(std::size_t clip_idx) const;
+  std::vector<std::string> clip_names() const;
+
+  // Index of the clip of that name. Throws `InvalidArgument` that offers the nearest name.
+  std::size_t clip_idx(const std::string& name) const;
+
+  // Parses "CLIP:FRAME". Throws `InvalidArgument` for an unknown clip, a frame that is not a number, or one
+  // beyond the clip (says its last frame).
+  FrameId parse_frame(const std::string& text) const;
+  std::string to_string(FrameId frame) const;
+
+  // Frames of all clips lie one after the other: index of the first frame of a clip, and the number of all
+  // frames.
+  std::size_t first_frame(std::size_t clip_idx) const;
+  std::size_t frame_count() const { return frame_count_; }
+
+  // The rate all clips share. Throws `InvalidArgument` naming two clips that differ: motion between clips of
+  // different rates has no frame time.
+  double frames_per_second() const;
+
+  // Content hash of names, rates, topology and positions: the key of everything computed from the database.
+  std::string content_hash() const;
+
+ private:
+  TopologyPtr topology_;
+  std::vector<MeshSequence> clips_;
+  std::vector<std::size_t> first_frames_;
+  std::size_t frame_count_ = 0;
+};
+
+}  // namespace reprise

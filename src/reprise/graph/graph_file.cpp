@@ -1,0 +1,321 @@
+// SPDX-FileCopyrightText: 2026 The Reprise authors
+// SPDX-License-Identifier: Apache-2.0
+
+// The JSON file of a surface motion graph (docs/surface-motion-graph.md).
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "reprise/core/atomic_file.h"
+#include "reprise/core/error.h"
+#include "reprise/core/log.h"
+#include "reprise/core/text.h"
+#include "reprise/graph/surface_motion_graph.h"
+
+namespace reprise {
+namespace {
+
+using Json = nlohmann::ordered_json;  // keeps fields in the order a person reads them
+
+constexpr const char* format_name = "reprise surface motion graph";
+constexpr int format_version = 1;
+
+constexpr std::pair<BlendProfile, const char*> profiles[] = {{BlendProfile::linear, "linear"},
+                                                             {BlendProfile::smooth, "smooth"}};
+constexpr std::pair<WindowCriterion, const char*> criteria[] = {{WindowCriterion::blend_speed, "blend_speed"},
+                                                                {WindowCriterion::paper_sum, "paper_sum"}};
+
+template <typename Enum, std::size_t count>
+const char* name_of(const std::pair<Enum, const char*> (&names)[count], Enum value) {
+  return std::ranges::find(names, value, &std::pair<Enum, const char*>::first)->second;
+}
+
+Json to_json(const TransitionOptions& options) {
+  return {{"transitions_per_pair", options.transitions_per_pair},
+          {"max_half_window", options.max_half_window},
+          {"min_half_window", options.min_half_window},
+          {"self_min_gap", options.self_min_gap},
+          {"separation", options.separation},
+          {"criterion", name_of(criteria, options.criterion)},
+          {"acceleration_weight", options.acceleration_weight},
+          {"profile", name_of(profiles, options.profile)},
+          {"sample_vertices", options.sample_vertices}};
+}
+
+// One field of the file with its path, so that an error can name it.
+class Field {
+ public:
+  Field(const std::filesystem::path& file, const Json& value, std::string path)
+      : file_(&file), value_(&value), path_(std::move(path)) {}
+
+  [[noreturn]] void fail(const std::string& what) const { throw FileError(*file_, path_, what); }
+
+  bool has(const char* name) const { return as_object().contains(name); }
+  Field operator[](const char* name) const {
+    const auto found = as_object().find(name);
+    const std::string path = path_.empty() ? name : fmt::format("{}.{}", path_, name);
+    if (found == value_->end()) throw FileError(*file_, path, "expected this field, found none");
+    return {*file_, *found, path};
+  }
+  std::vector<Field> items() const {
+    if (!value_->is_array()) fail(fmt::format("expected a list, found {}", found_type()));
+    std::vector<Field> fields;
+    for (std::size_t i = 0; i < value_->size(); ++i) {
+      fields.emplace_back(*file_, (*value_)[i], fmt::format("{}[{}]", path_, i));
+    }
+    return fields;
+  }
+
+  std::string text() const {
+    if (!value_->is_string()) fail(fmt::format("expected a text, found {}", found_type()));
+    return value_->get<std::string>();
+  }
+  double number() const {
+    if (!value_->is_number()) fail(fmt::format("expected a number, found {}", found_type()));
+    return value_->get<double>();
+  }
+  double number_from(double least) const {
+    const double value = number();
+    if (!(value >= least)) fail(fmt::format("expected a number from {}, found {}", least, value));
+    return value;
+  }
+  int integer(int least, int greatest = std::numeric_limits<int>::max()) const {
+    if (!value_->is_number_integer()) fail(fmt::format("expected an integer, found {}", found_type()));
+    // Unsigned values beyond int64 wrap to negative ones, which no field takes.
+    const auto value = value_->get<std::int64_t>();
+    const bool is_wrapped = value_->is_number_unsigned() && value < 0;
+    if (is_wrapped || value < least || value > greatest) {
+      fail(greatest == std::numeric_limits<int>::max()
+               ? fmt::format("expected an integer from {}, found {}", least, value_->dump())
+               : fmt::format("expected an integer from {} to {}, found {}", least, greatest, value_->dump()));
+    }
+    return static_cast<int>(value);
+  }
+  template <typename Enum, std::size_t count>
+  Enum choice(const std::pair<Enum, const char*> (&names)[count]) const {
+    const std::string name = text();
+    std::vector<std::string_view> known;
+    for (const auto& [value, known_name] : names) {
+      if (name == known_name) return value;
+      known.emplace_back(known_name);
+    }
+    fail(fmt::format("expected one of {}, found '{}'", fmt::join(known, ", "), name));
+  }
+
+  // A misspelt field must not be passed over in silence.
+  void warn_of_others(const std::vector<std::string>& known) const {
+    for (const auto& [name, value] : as_object().items()) {
+      if (std::ranges::find(known, name) != known.end()) continue;
+      const std::string nearest = nearest_word(name, known);
+      spdlog::warn("{}: {}: unknown field '{}' is passed over{}", file_->string(),
+                   path_.empty() ? "top level" : path_, name,
+                   nearest.empty() ? "" : fmt::format("; did you mean '{}'?", nearest));
+    }
+  }
+
+ private:
+  const Json& as_object() const {
+    if (!value_->is_object()) fail(fmt::format("expected an object, found {}", found_type()));
+    return *value_;
+  }
+  std::string found_type() const {
+    const std::string text = value_->dump(-1, ' ', false, Json::error_handler_t::replace);
+    return fmt::format("{} {}", value_->type_name(), text.size() <= 40 ? text : text.substr(0, 40) + "...");
+  }
+
+  const std::filesystem::path* file_;
+  const Json* value_;
+  std::string path_;
+};
+
+std::string line_and_column(std::string_view text, std::size_t byte) {
+  const std::string_view before = text.substr(0, byte == 0 ? 0 : byte - 1);
+  const auto newline = before.rfind('\n');
+  return fmt::format("line {}, column {}", 1 + std::ranges::count(before, '\n'),
+                     newline == std::string_view::npos ? before.size() + 1 : before.size() - newline);
+}
+
+Json parse(const std::filesystem::path& path, const std::string& text) {
+  try {
+    return Json::parse(text);
+  } catch (const Json::parse_error& error) {
+    // After its own place, the parser says what it met and what it expected.
+    std::string what = error.what();
+    if (const auto dash = what.find(" - "); dash != std::string::npos) what = what.substr(dash + 3);
+    throw FileError(path, line_and_column(text, error.byte), "is not JSON: " + what);
+  } catch (const Json::exception& error) {
+    throw FileError(path, fmt::format("is not JSON: {}", error.what()));
+  }
+}
+
+TransitionOptions read_options(const Field& field) {
+  field.warn_of_others({"transitions_per_pair", "max_half_window", "min_half_window", "self_min_gap",
+                        "separation", "criterion", "acceleration_weight", "profile", "sample_vertices"});
+  const TransitionOptions options{.transitions_per_pair = field["transitions_per_pair"].integer(1),
+                                  .max_half_window = field["max_half_window"].integer(1),
+                                  .min_half_window = field["min_half_window"].integer(1),
+                                  .self_min_gap = field["self_min_gap"].integer(1),
+                                  .separation = field["separation"].integer(1),
+                                  .criterion = field["criterion"].choice(criteria),
+                                  .acceleration_weight = field["acceleration_weight"].number_from(0.0),
+                                  .profile = field["profile"].choice(profiles),
+                                  .sample_vertices = field["sample_vertices"].integer(1)};
+  try {
+    validate(options);
+  } catch (const InvalidArgument& error) {
+    field.fail(error.what());
+  }
+  return options;
+}
+
+std::vector<GraphClip> read_clips(const Field& field) {
+  std::vector<GraphClip> clips;
+  std::set<std::string> names;
+  for (const Field& item : field.items()) {
+    item.warn_of_others({"name", "frame_count", "frames_per_second"});
+    const GraphClip clip{.name = item["name"].text(),
+                         .frame_count = item["frame_count"].integer(1),
+                         .frames_per_second = item["frames_per_second"].number_from(0.0)};
+    if (clip.frames_per_second == 0.0) item["frames_per_second"].fail("expected a rate above 0, found 0");
+    if (clip.name.empty()) item["name"].fail("expected a name, found an empty text");
+    if (!names.insert(clip.name).second)
+      item["name"].fail(fmt::format("there is a clip '{}' already", clip.name));
+    clips.push_back(clip);
+  }
+  return clips;
+}
+
+std::size_t read_clip_idx(const Field& field, const std::vector<GraphClip>& clips) {
+  const std::string name = field.text();
+  const auto found = std::ranges::find(clips, name, &GraphClip::name);
+  if (found != clips.end()) return static_cast<std::size_t>(found - clips.begin());
+  std::vector<std::string> names;
+  for (const GraphClip& clip : clips) names.push_back(clip.name);
+  const std::string nearest = nearest_word(name, names);
+  field.fail(nearest.empty()
+                 ? fmt::format("there is no clip '{}'; the clips are {}", name, fmt::join(names, ", "))
+                 : fmt::format("there is no clip '{}'; did you mean '{}'?", name, nearest));
+}
+
+Transition read_transition(const Field& field, const std::vector<GraphClip>& clips) {
+  field.warn_of_others({"source", "m", "target", "n", "half_window", "yaw", "translation", "distortion",
+                        "peak_acceleration", "cost"});
+  Transition transition{.source_clip = read_clip_idx(field["source"], clips),
+                        .target_clip = read_clip_idx(field["target"], clips)};
+  const GraphClip& source = clips[transition.source_clip];
+  const GraphClip& target = clips[transition.target_clip];
+  transition.m = field["m"].integer(0, source.frame_count - 1);
+  transition.n = field["n"].integer(0, target.frame_count - 1);
+  transition.half_window = field["half_window"].integer(1);
+  const auto check_window = [&](const char* name, int centre, const GraphClip& clip) {
+    const int room = std::min(centre, clip.frame_count - 1 - centre);
+    if (transition.half_window > room) {
+      field["half_window"].fail(fmt::format(
+          "expected at most {}, found {}: the window about frame {} ({}) must lie inside the {} frames of "
+          "clip '{}'",
+          room, transition.half_window, centre, name, clip.frame_count, clip.name));
+    }
+  };
+  check_window("m", transition.m, source);
+  check_window("n", transition.n, target);
+  transition.source_from_target.yaw = field["yaw"].number();
+  const std::vector<Field> translation = field["translation"].items();
+  if (translation.size() != 2) {
+    field["translation"].fail(fmt::format("expected two numbers (x, z), found {}", translation.size()));
+  }
+  transition.source_from_target.translation = {translation[0].number(), translation[1].number()};
+  transition.distortion = field["distortion"].number_from(0.0);
+  transition.peak_acceleration = field["peak_acceleration"].number_from(0.0);
+  transition.cost = field["cost"].number_from(0.0);
+  return transition;
+}
+
+RemovedEdge read_removed(const Field& field, const std::vector<GraphClip>& clips) {
+  field.warn_of_others({"source", "m", "target", "n"});
+  const GraphClip& source = clips[read_clip_idx(field["source"], clips)];
+  const GraphClip& target = clips[read_clip_idx(field["target"], clips)];
+  RemovedEdge edge{.source_clip = source.name, .target_clip = target.name};
+  if (field.has("m") || field.has("n")) {
+    edge.m = field["m"].integer(0, source.frame_count - 1);
+    edge.n = field["n"].integer(0, target.frame_count - 1);
+  }
+  return edge;
+}
+
+}  // namespace
+
+void save_graph(const SurfaceMotionGraph& graph, const std::filesystem::path& path) {
+  Json clips = Json::array();
+  for (const GraphClip& clip : graph.clips) {
+    clips.push_back({{"name", clip.name},
+                     {"frame_count", clip.frame_count},
+                     {"frames_per_second", clip.frames_per_second}});
+  }
+  Json transitions = Json::array();
+  for (const Transition& transition : graph.transitions) {
+    const Eigen::Vector2d& translation = transition.source_from_target.translation;
+    transitions.push_back({{"source", graph.clips.at(transition.source_clip).name},
+                           {"m", transition.m},
+                           {"target", graph.clips.at(transition.target_clip).name},
+                           {"n", transition.n},
+                           {"half_window", transition.half_window},
+                           {"yaw", transition.source_from_target.yaw},
+                           {"translation", Json::array({translation.x(), translation.y()})},
+                           {"distortion", transition.distortion},
+                           {"peak_acceleration", transition.peak_acceleration},
+                           {"cost", transition.cost}});
+  }
+  Json removed = Json::array();
+  for (const RemovedEdge& edge : graph.removed) {
+    Json item = {{"source", edge.source_clip}};
+    if (edge.m >= 0) item["m"] = edge.m;
+    item["target"] = edge.target_clip;
+    if (edge.m >= 0) item["n"] = edge.n;
+    removed.push_back(std::move(item));
+  }
+  const Json file = {{"format", format_name},
+                     {"version", format_version},
+                     {"database_hash", graph.database_hash},
+                     {"metric", graph.metric},
+                     {"options", to_json(graph.options)},
+                     {"clips", std::move(clips)},
+                     {"removed", std::move(removed)},
+                     {"transitions", std::move(transitions)}};
+  write_text_file(path, file.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+SurfaceMotionGraph load_graph(const std::filesystem::path& path) {
+  const Json json = parse(path, read_text_file(path));
+  if (!json.is_object() || !json.contains("format") || json["format"] != format_name) {
+    throw FileError(path,
+                    fmt::format("is not a surface motion graph: expected \"format\": \"{}\"", format_name));
+  }
+  const Field file(path, json, "");
+  if (const int version = file["version"].integer(1); version > format_version) {
+    file["version"].fail(
+        fmt::format("the file has version {}, this program reads up to version {}", version, format_version));
+  }
+  file.warn_of_others(
+      {"format", "version", "database_hash", "metric", "options", "clips", "removed", "transitions"});
+  SurfaceMotionGraph graph{.database_hash = file["database_hash"].text(),
+                           .metric = file["metric"].text(),
+                           .clips = read_clips(file["clips"])};
+  graph.options = read_options(file["options"]);
+  for (const Field& item : file["transitions"].items()) {
+    graph.transitions.push_back(read_transition(item, graph.clips));
+  }
+  if (file.has("removed")) {  // may be written by hand
+    for (const Field& item : file["removed"].items())
+      graph.removed.push_back(read_removed(item, graph.clips));
+  }
+  return graph;
+}
+
+}  // namespace reprise

@@ -1,0 +1,58 @@
+// SPDX-FileCopyrightText: 2026 The Reprise authors
+// SPDX-License-Identifier: Apache-2.0
+
+// The exact optimiser of key-frame paths.
+
+#pragma once
+
+#include <Eigen/Core>
+#include <tl/expected.hpp>
+
+#include "reprise/path/keyframe_query.h"
+
+namespace reprise {
+
+// Ground motion of a graph's clips and blends: all that the optimiser needs to know of the database.
+class PathMetrics {
+ public:
+  // `trajectories`: for each clip its ground trajectory, (x, z) in metres per frame. `transitions`: those in
+  // force. Distances inside a blend are those of the blended trajectory (1 - alpha) c_s(m + k) + alpha
+  // source_from_target c_t(n + k), which is what synthesis plays.
+  PathMetrics(std::vector<std::vector<Eigen::Vector2d>> trajectories, std::vector<Transition> transitions,
+              BlendProfile profile, double frames_per_second);
+
+  const std::vector<Transition>& transitions() const { return transitions_; }
+  std::size_t clip_count() const { return cumulative_.size(); }
+  int frame_count(std::size_t clip_idx) const { return static_cast<int>(cumulative_[clip_idx].size()); }
+  double frames_per_second() const { return frames_per_second_; }
+  // Metres along the ground from one frame of a clip to a later one.
+  double clip_distance(std::size_t clip_idx, int first, int last) const {
+    return cumulative_[clip_idx][static_cast<std::size_t>(last)] -
+           cumulative_[clip_idx][static_cast<std::size_t>(first)];
+  }
+  // Metres along the ground through the blend of a transition, from its leave() to its arrive().
+  double blend_distance(std::size_t transition_idx) const { return blend_distances_[transition_idx]; }
+
+ private:
+  std::vector<std::vector<double>> cumulative_;
+  std::vector<Transition> transitions_;
+  std::vector<double> blend_distances_;
+  double frames_per_second_;
+};
+
+// The path that minimises C(P) = C_tran + w_dist |dist(P) - d_V| + w_time |time(P) - t_V| (Eq. 7) over all
+// walks on the graph that show the key-frames in order, loops any number of times, with a certificate.
+//
+// Method: best-first search over labels (transition taken, key-frames shown, frames elapsed, distance, cost).
+// A label is dropped if another with the same first three has cost lower by at least w_dist times their
+// difference in distance: whatever follows, it cannot do worse. The bound on what follows comes from tables
+// of the least transition cost and of the reachable distances for every number of frames still to play. A
+// consecutive pair of equal key-frames asks for a loop: a key-frame must be shown strictly later than the one
+// before it.
+//
+// Throws `InvalidArgument` for fewer than two key-frames, a frame out of range, a negative target or weight.
+tl::expected<MotionPath, NoPath> find_keyframe_path(const PathMetrics& metrics, const KeyframeQuery& query,
+                                                    const KeyframeOptions& options,
+                                                    const std::vector<std::string>& clip_names);
+
+}  // namespace reprise

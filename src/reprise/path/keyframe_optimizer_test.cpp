@@ -1,0 +1,857 @@
+// SPDX-FileCopyrightText: 2026 The Reprise authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "reprise/path/keyframe_optimizer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <map>
+#include <random>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <glpk.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "reprise/core/error.h"
+
+namespace reprise {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+using Trajectory = std::vector<Eigen::Vector2d>;
+
+constexpr double kFps = 25.0;
+
+// Straight ahead at a constant speed, metres per frame.
+Trajectory straight(int frame_count, double speed) {
+  Trajectory trajectory;
+  for (int i = 0; i < frame_count; ++i) trajectory.emplace_back(0.0, speed * i);
+  return trajectory;
+}
+
+struct Case {
+  std::vector<Trajectory> trajectories;
+  std::vector<Transition> transitions;
+  KeyframeQuery query;
+  KeyframeOptions options;
+
+  PathMetrics metrics() const { return {trajectories, transitions, BlendProfile::smooth, kFps}; }
+  std::vector<std::string> names() const {
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < trajectories.size(); ++i) names.push_back(fmt::format("clip{}", i));
+    return names;
+  }
+  tl::expected<MotionPath, NoPath> solve() const {
+    return find_keyframe_path(metrics(), query, options, names());
+  }
+  double target_frames() const { return query.time * kFps; }
+};
+
+Transition make_transition(const std::vector<Trajectory>& trajectories, std::size_t source, int m,
+                           std::size_t target, int n, int half_window, double cost) {
+  Transition transition;
+  transition.source_clip = source;
+  transition.target_clip = target;
+  transition.m = m;
+  transition.n = n;
+  transition.half_window = half_window;
+  transition.cost = cost;
+  transition.source_from_target.translation =
+      trajectories[source][static_cast<std::size_t>(m)] - trajectories[target][static_cast<std::size_t>(n)];
+  return transition;
+}
+
+struct Sizes {
+  int clips = 2;
+  int min_frames = 8;
+  int max_frames = 14;
+  int min_transitions = 3;
+  int max_transitions = 5;
+  int max_half_window = 2;
+  int max_keyframes = 3;
+};
+
+Case random_case(const Sizes& sizes, std::mt19937& random) {
+  const auto integer = [&](int low, int high) {
+    return std::uniform_int_distribution<int>(low, high)(random);
+  };
+  const auto real = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  Case result;
+  for (int i = 0; i < sizes.clips; ++i) {
+    Trajectory trajectory{Eigen::Vector2d::Zero()};
+    const double speed = real(0.0, 0.08);
+    for (int frame = integer(sizes.min_frames, sizes.max_frames); frame > 1; --frame) {
+      trajectory.push_back(trajectory.back() + Eigen::Vector2d(real(-0.02, 0.02), speed + real(-0.02, 0.02)));
+    }
+    result.trajectories.push_back(std::move(trajectory));
+  }
+  const auto last_frame = [&](std::size_t clip_idx) {
+    return static_cast<int>(result.trajectories[clip_idx].size()) - 1;
+  };
+  // Some graphs have transitions at no cost, and then many walks cost the same.
+  const bool free_transitions = integer(0, 4) == 0;
+  for (int count = integer(sizes.min_transitions, sizes.max_transitions); count > 0; --count) {
+    const auto source = static_cast<std::size_t>(integer(0, sizes.clips - 1));
+    const auto target = static_cast<std::size_t>(integer(0, sizes.clips - 1));
+    const int L = integer(1, sizes.max_half_window);
+    const int m = integer(L, last_frame(source) - L);
+    const int n = integer(L, last_frame(target) - L);
+    const double cost = free_transitions && integer(0, 1) == 0 ? 0.0 : real(0.05, 0.6);
+    result.transitions.push_back(make_transition(result.trajectories, source, m, target, n, L, cost));
+    result.transitions.back().source_from_target.yaw = real(-3.0, 3.0);
+  }
+  for (int count = integer(2, sizes.max_keyframes); count > 0; --count) {
+    const auto clip_idx = static_cast<std::size_t>(integer(0, sizes.clips - 1));
+    result.query.keyframes.push_back({clip_idx, static_cast<std::size_t>(integer(0, last_frame(clip_idx)))});
+  }
+  return result;
+}
+
+// What a path plays, told by its segments alone.
+struct Replay {
+  std::vector<FrameId> pure_frames;
+  double transition_cost = 0.0;
+  double distance = 0.0;
+  int frame_count = 0;
+};
+
+// Plays every frame, blended ones too, and adds up the distances between neighbours (Eq. 10). Each segment is
+// placed by the transitions before it; only distances count, so the placing itself does not.
+Replay replay(const Case& query_case, const MotionPath& path) {
+  Replay result;
+  for (std::size_t i = 0; i < path.segments.size(); ++i) {
+    const PathSegment& segment = path.segments[i];
+    const Trajectory& source = query_case.trajectories[segment.clip_idx];
+    for (int frame = segment.first_frame; frame <= segment.last_frame; ++frame) {
+      result.pure_frames.push_back({segment.clip_idx, static_cast<std::size_t>(frame)});
+      ++result.frame_count;
+      if (frame > segment.first_frame) {
+        result.distance +=
+            (source[static_cast<std::size_t>(frame)] - source[static_cast<std::size_t>(frame - 1)]).norm();
+      }
+    }
+    if (!segment.transition) continue;
+    const Transition& transition = *segment.transition;
+    result.transition_cost += transition.cost;
+    const Trajectory& target = query_case.trajectories[transition.target_clip];
+    Eigen::Vector2d previous = source[static_cast<std::size_t>(transition.leave())];
+    for (int k = -transition.half_window + 1; k <= transition.half_window; ++k) {
+      const double alpha = blend_weight(BlendProfile::smooth, k, transition.half_window);
+      const Eigen::Vector2d target_center =
+          transition.source_from_target * target[static_cast<std::size_t>(transition.n + k)];
+      const Eigen::Vector2d center =
+          (1.0 - alpha) * source[static_cast<std::size_t>(transition.m + k)] + alpha * target_center;
+      result.distance += (center - previous).norm();
+      previous = center;
+      // The last frame of the window is the first pure one of the next segment.
+      if (k < transition.half_window) ++result.frame_count;
+    }
+  }
+  return result;
+}
+
+// Whether the key-frames are shown in order, from the first pure frame to the last.
+bool shows_in_order(const std::vector<FrameId>& pure_frames, const std::vector<FrameId>& keyframes) {
+  if (pure_frames.size() < 2 || !(pure_frames.front() == keyframes.front()) ||
+      !(pure_frames.back() == keyframes.back())) {
+    return false;
+  }
+  std::size_t due = 1;
+  for (std::size_t i = 1; i + 1 < pure_frames.size() && due + 1 < keyframes.size(); ++i) {
+    if (pure_frames[i] == keyframes[due]) ++due;
+  }
+  return due + 1 == keyframes.size();
+}
+
+double cost_of(const Case& query_case, double transition_cost, double distance, int frame_count) {
+  return transition_cost +
+         query_case.options.distance_weight * std::abs(distance - query_case.query.distance) +
+         query_case.options.time_weight * std::abs(frame_count - query_case.target_frames());
+}
+
+// All that must hold of any answer.
+void expect_valid(const Case& query_case, const MotionPath& path) {
+  ASSERT_FALSE(path.segments.empty());
+  for (std::size_t i = 0; i < path.segments.size(); ++i) {
+    const PathSegment& segment = path.segments[i];
+    EXPECT_LE(segment.first_frame, segment.last_frame);
+    ASSERT_EQ(segment.transition.has_value(), i + 1 < path.segments.size());
+    if (!segment.transition) continue;
+    EXPECT_EQ(segment.transition->source_clip, segment.clip_idx);
+    EXPECT_EQ(segment.transition->leave(), segment.last_frame);
+    EXPECT_EQ(segment.transition->target_clip, path.segments[i + 1].clip_idx);
+    EXPECT_EQ(segment.transition->arrive(), path.segments[i + 1].first_frame);
+  }
+  const Replay played = replay(query_case, path);
+  EXPECT_TRUE(shows_in_order(played.pure_frames, query_case.query.keyframes));
+  EXPECT_EQ(path.frame_count, played.frame_count);
+  EXPECT_NEAR(path.time, played.frame_count / kFps, 1e-12);
+  EXPECT_NEAR(path.distance, played.distance, 1e-9);
+  EXPECT_NEAR(path.transition_cost, played.transition_cost, 1e-9);
+  EXPECT_NEAR(path.cost, cost_of(query_case, played.transition_cost, played.distance, played.frame_count),
+              1e-8);
+  EXPECT_LE(path.lower_bound, path.cost);
+}
+
+// Enumerates walks from the definition: lists of pure stretches and transitions, judged only when complete.
+// Stops following a walk once its transitions and its overshoot alone cost more than `cutoff`.
+class Enumeration {
+ public:
+  Enumeration(const Case& query_case, double cutoff, int most_frames)
+      : case_(query_case), metrics_(query_case.metrics()), cutoff_(cutoff), most_frames_(most_frames) {
+    const FrameId first = case_.query.keyframes.front();
+    explore(first.clip_idx, static_cast<int>(first.frame_idx), 1, 0.0, 0.0);
+  }
+  double best() const { return best_; }
+
+ private:
+  void explore(std::size_t clip_idx, int arrived, int frames, double distance, double cost) {
+    const FrameId last = case_.query.keyframes.back();
+    const int last_frame = static_cast<int>(last.frame_idx);
+    if (last.clip_idx == clip_idx && last_frame >= arrived) {
+      const std::size_t before = shown_.size();
+      show(clip_idx, arrived, last_frame);
+      if (shows_in_order(shown_, case_.query.keyframes)) {
+        best_ = std::min(
+            best_, cost_of(case_, cost, distance + metrics_.clip_distance(clip_idx, arrived, last_frame),
+                           frames + last_frame - arrived));
+      }
+      shown_.resize(before);
+    }
+    for (std::size_t i = 0; i < case_.transitions.size(); ++i) {
+      const Transition& transition = case_.transitions[i];
+      if (transition.source_clip != clip_idx || transition.leave() < arrived) continue;
+      const int next_frames = frames + transition.leave() - arrived + 2 * transition.half_window;
+      const double next_cost = cost + transition.cost;
+      const double next_distance = distance + metrics_.clip_distance(clip_idx, arrived, transition.leave()) +
+                                   metrics_.blend_distance(i);
+      const double least =
+          next_cost + case_.options.distance_weight * std::max(0.0, next_distance - case_.query.distance) +
+          case_.options.time_weight * std::max(0.0, next_frames - case_.target_frames());
+      if (next_frames > most_frames_ || least > cutoff_) continue;
+      const std::size_t before = shown_.size();
+      show(clip_idx, arrived, transition.leave());
+      explore(transition.target_clip, transition.arrive(), next_frames, next_distance, next_cost);
+      shown_.resize(before);
+    }
+  }
+
+  void show(std::size_t clip_idx, int first, int last) {
+    for (int frame = first; frame <= last; ++frame)
+      shown_.push_back({clip_idx, static_cast<std::size_t>(frame)});
+  }
+
+  const Case& case_;
+  PathMetrics metrics_;
+  double cutoff_;
+  int most_frames_;
+  std::vector<FrameId> shown_;
+  double best_ = std::numeric_limits<double>::infinity();
+};
+
+// The same optimum by integer programming: x_e >= 0 counts the uses of edge e of a graph whose nodes are
+// (key-frames shown, transition just taken); flow from source to sink is balanced, both absolute values are
+// epigraph variables, and loops that hang on nothing are cut off as they turn up.
+class IntegerProgram {
+ public:
+  // `cost_bound`: the cost of some feasible path, which bounds every x_e.
+  IntegerProgram(const Case& query_case, double cost_bound)
+      : case_(query_case), metrics_(query_case.metrics()) {
+    add_edges();
+    const double longest = case_.target_frames() - 1.0 + cost_bound / case_.options.time_weight;
+    problem_ = glp_create_prob();
+    glp_set_obj_dir(problem_, GLP_MIN);
+    glp_add_cols(problem_, static_cast<int>(edges_.size()) + 2);
+    for (std::size_t i = 0; i < edges_.size(); ++i) {
+      const int column = static_cast<int>(i) + 1;
+      const double most =
+          edges_[i].steps == 0 ? 1.0 : std::max(0.0, std::floor(longest / edges_[i].steps + 1e-9));
+      most_.push_back(most);
+      glp_set_col_kind(problem_, column, GLP_IV);
+      glp_set_col_bnds(problem_, column, most > 0.0 ? GLP_DB : GLP_FX, 0.0, most);
+      glp_set_obj_coef(problem_, column, edges_[i].cost);
+    }
+    const int distance_column = static_cast<int>(edges_.size()) + 1;
+    const int time_column = distance_column + 1;
+    for (const int column : {distance_column, time_column})
+      glp_set_col_bnds(problem_, column, GLP_LO, 0.0, 0.0);
+    glp_set_obj_coef(problem_, distance_column, case_.options.distance_weight);
+    glp_set_obj_coef(problem_, time_column, case_.options.time_weight);
+    for (int node = 0; node < node_count_; ++node) {
+      Row row;
+      for (std::size_t i = 0; i < edges_.size(); ++i) {
+        const double balance =
+            (edges_[i].source == node ? 1.0 : 0.0) - (edges_[i].target == node ? 1.0 : 0.0);
+        if (balance != 0.0) row.add(static_cast<int>(i) + 1, balance);
+      }
+      const double supply = node == kSource ? 1.0 : node == kSink ? -1.0 : 0.0;
+      add_row(row, GLP_FX, supply);
+    }
+    for (const double sign : {1.0, -1.0}) {
+      Row distance, time;
+      for (std::size_t i = 0; i < edges_.size(); ++i) {
+        if (edges_[i].distance != 0.0) distance.add(static_cast<int>(i) + 1, -sign * edges_[i].distance);
+        if (edges_[i].steps != 0) time.add(static_cast<int>(i) + 1, -sign * edges_[i].steps);
+      }
+      distance.add(distance_column, 1.0);
+      time.add(time_column, 1.0);
+      add_row(distance, GLP_LO, -sign * case_.query.distance);
+      add_row(time, GLP_LO, -sign * (case_.target_frames() - 1.0));
+    }
+  }
+  ~IntegerProgram() { glp_delete_prob(problem_); }
+  IntegerProgram(const IntegerProgram&) = delete;
+  IntegerProgram& operator=(const IntegerProgram&) = delete;
+
+  double solve() {
+    glp_iocp options;
+    glp_init_iocp(&options);
+    options.msg_lev = GLP_MSG_OFF;
+    options.presolve = GLP_ON;
+    for (;;) {
+      const int failed = glp_intopt(problem_, &options);
+      EXPECT_EQ(failed, 0);
+      EXPECT_EQ(glp_mip_status(problem_), GLP_OPT);
+      if (failed != 0 || glp_mip_status(problem_) != GLP_OPT) return -1.0;
+      if (cut_loose_loops()) continue;
+      double cost = 0.0, distance = 0.0, steps = 0.0;
+      for (std::size_t i = 0; i < edges_.size(); ++i) {
+        const double uses = std::round(glp_mip_col_val(problem_, static_cast<int>(i) + 1));
+        cost += uses * edges_[i].cost;
+        distance += uses * edges_[i].distance;
+        steps += uses * edges_[i].steps;
+      }
+      return cost_of(case_, cost, distance, static_cast<int>(steps) + 1);
+    }
+  }
+
+ private:
+  static constexpr int kSource = 0;
+  static constexpr int kSink = 1;
+
+  struct Edge {
+    int source = 0;
+    int target = 0;
+    int steps = 0;
+    double distance = 0.0;
+    double cost = 0.0;
+  };
+  struct Row {
+    std::vector<int> columns{0};  // GLPK counts from 1
+    std::vector<double> values{0.0};
+    void add(int column, double value) {
+      columns.push_back(column);
+      values.push_back(value);
+    }
+  };
+
+  void add_row(const Row& row, int kind, double bound) {
+    const int index = glp_add_rows(problem_, 1);
+    glp_set_row_bnds(problem_, index, kind, bound, bound);
+    glp_set_mat_row(problem_, index, static_cast<int>(row.columns.size()) - 1, row.columns.data(),
+                    row.values.data());
+  }
+
+  void add_edges() {
+    const std::vector<FrameId>& keyframes = case_.query.keyframes;
+    std::map<std::pair<std::size_t, std::size_t>, int> nodes;
+    std::vector<std::pair<std::size_t, std::size_t>> open;
+    const auto node_of = [&](std::size_t shown, std::size_t transition_idx) {
+      const auto [found, inserted] =
+          nodes.try_emplace({shown, transition_idx}, static_cast<int>(nodes.size()) + 2);
+      if (inserted) open.emplace_back(shown, transition_idx);
+      return found->second;
+    };
+    // Key-frames shown after the pure frames first..last, of all but the last one.
+    const auto shown_after = [&](std::size_t shown, std::size_t clip_idx, int first, int last) {
+      for (int frame = first; frame <= last && shown + 1 < keyframes.size(); ++frame) {
+        if (keyframes[shown] == FrameId{clip_idx, static_cast<std::size_t>(frame)}) ++shown;
+      }
+      return shown;
+    };
+    // `first_new`: the first frame that may show a key-frame.
+    const auto expand = [&](int node, std::size_t shown, std::size_t clip_idx, int arrived, int first_new) {
+      const int last_frame = static_cast<int>(keyframes.back().frame_idx);
+      if (keyframes.back().clip_idx == clip_idx && last_frame >= first_new &&
+          shown_after(shown, clip_idx, first_new, last_frame - 1) + 1 == keyframes.size()) {
+        edges_.push_back(
+            {node, kSink, last_frame - arrived, metrics_.clip_distance(clip_idx, arrived, last_frame), 0.0});
+      }
+      for (std::size_t i = 0; i < case_.transitions.size(); ++i) {
+        const Transition& transition = case_.transitions[i];
+        if (transition.source_clip != clip_idx || transition.leave() < arrived) continue;
+        edges_.push_back(
+            {node, node_of(shown_after(shown, clip_idx, first_new, transition.leave()), i),
+             transition.leave() - arrived + 2 * transition.half_window,
+             metrics_.clip_distance(clip_idx, arrived, transition.leave()) + metrics_.blend_distance(i),
+             transition.cost});
+      }
+    };
+    const int first_frame = static_cast<int>(keyframes.front().frame_idx);
+    expand(kSource, 1, keyframes.front().clip_idx, first_frame, first_frame + 1);
+    while (!open.empty()) {
+      const auto [shown, transition_idx] = open.back();
+      open.pop_back();
+      const Transition& transition = case_.transitions[transition_idx];
+      expand(nodes.at({shown, transition_idx}), shown, transition.target_clip, transition.arrive(),
+             transition.arrive());
+    }
+    node_count_ = static_cast<int>(nodes.size()) + 2;
+  }
+
+  // True if some used edges hang on nothing and a cut was added: whoever uses them must enter them.
+  bool cut_loose_loops() {
+    std::vector<bool> used(edges_.size());
+    for (std::size_t i = 0; i < edges_.size(); ++i) {
+      used[i] = glp_mip_col_val(problem_, static_cast<int>(i) + 1) > 0.5;
+    }
+    std::set<int> reached{kSource};
+    for (bool changed = true; changed;) {
+      changed = false;
+      for (std::size_t i = 0; i < edges_.size(); ++i) {
+        if (used[i] && reached.contains(edges_[i].source)) changed |= reached.insert(edges_[i].target).second;
+      }
+    }
+    std::set<int> loose;
+    for (std::size_t i = 0; i < edges_.size(); ++i) {
+      if (used[i] && !reached.contains(edges_[i].source)) loose.insert(edges_[i].source);
+    }
+    if (loose.empty()) return false;
+    for (std::size_t f = 0; f < edges_.size(); ++f) {
+      if (!used[f] || !loose.contains(edges_[f].source)) continue;
+      Row row;
+      for (std::size_t i = 0; i < edges_.size(); ++i) {
+        if (!loose.contains(edges_[i].source) && loose.contains(edges_[i].target)) {
+          row.add(static_cast<int>(i) + 1, most_[f]);
+        }
+      }
+      row.add(static_cast<int>(f) + 1, -1.0);
+      add_row(row, GLP_LO, 0.0);
+    }
+    return true;
+  }
+
+  const Case& case_;
+  PathMetrics metrics_;
+  std::vector<Edge> edges_;
+  std::vector<double> most_;
+  int node_count_ = 0;
+  glp_prob* problem_ = nullptr;
+};
+
+// A walk that can loop (0 -> 0) and a stand that it can go to and come back from.
+Case walk_and_stand() {
+  Case result;
+  result.trajectories = {straight(40, 0.04), straight(30, 0.0)};
+  result.transitions = {make_transition(result.trajectories, 0, 34, 0, 5, 4, 0.2),
+                        make_transition(result.trajectories, 0, 20, 1, 6, 3, 0.3),
+                        make_transition(result.trajectories, 1, 22, 0, 8, 3, 0.3)};
+  result.query.keyframes = {{0, 2}, {0, 36}};
+  return result;
+}
+
+TEST(KeyframeOptimizer, EqualsEnumerationOnSmallGraphs) {
+  std::mt19937 random(1);
+  int solved = 0;
+  for (int i = 0; i < 500; ++i) {
+    SCOPED_TRACE(i);
+    Sizes sizes;
+    sizes.clips = 1 + i % 3;
+    sizes.max_keyframes = 2 + i % 3;
+    Case query_case = random_case(sizes, random);
+    query_case.query.distance = std::uniform_real_distribution<double>(0.0, 1.5)(random);
+    query_case.query.time = std::uniform_int_distribution<int>(0, 30)(random) / kFps;
+    query_case.options.time_weight = i % 4 == 0 ? 0.3 : 0.1;
+    query_case.options.distance_weight = i % 7 == 0 ? 0.0 : 1.0 / 0.3;
+    const auto path = query_case.solve();
+    if (!path) {
+      EXPECT_EQ(Enumeration(query_case, 4.0, 45).best(), std::numeric_limits<double>::infinity())
+          << path.error().reason;
+      EXPECT_THAT(path.error().reason, HasSubstr("cannot be reached from"));
+      continue;
+    }
+    ++solved;
+    expect_valid(query_case, *path);
+    EXPECT_EQ(path->gap(), 0.0);
+    EXPECT_NEAR(Enumeration(query_case, path->cost + 1e-9, 1000).best(), path->cost, 1e-8);
+  }
+  EXPECT_GT(solved, 150);
+}
+
+TEST(KeyframeOptimizer, EqualsEnumerationWhenTimeHasNoWeight) {
+  std::mt19937 random(2);
+  int solved = 0;
+  for (int i = 0; i < 200; ++i) {
+    SCOPED_TRACE(i);
+    Case query_case = random_case({.clips = 2, .max_keyframes = 3}, random);
+    // Every transition costs something, so that the enumeration ends.
+    for (Transition& transition : query_case.transitions) transition.cost = std::max(transition.cost, 0.15);
+    query_case.query.distance = std::uniform_real_distribution<double>(0.0, 0.8)(random);
+    query_case.options.time_weight = 0.0;
+    const auto path = query_case.solve();
+    if (!path) continue;
+    ++solved;
+    expect_valid(query_case, *path);
+    EXPECT_EQ(path->gap(), 0.0);
+    EXPECT_NEAR(Enumeration(query_case, path->cost + 1e-9, 100000).best(), path->cost, 1e-8);
+  }
+  EXPECT_GT(solved, 60);
+}
+
+TEST(KeyframeOptimizer, EqualsTheIntegerProgram) {
+  std::mt19937 random(3);
+  int solved = 0;
+  for (int i = 0; solved < 100; ++i) {
+    ASSERT_LT(i, 2000);
+    SCOPED_TRACE(i);
+    Case query_case = random_case({.clips = 3,
+                                   .min_frames = 20,
+                                   .max_frames = 30,
+                                   .min_transitions = 4,
+                                   .max_transitions = 8,
+                                   .max_half_window = 5,
+                                   .max_keyframes = 3},
+                                  random);
+    query_case.query.distance = std::uniform_real_distribution<double>(0.0, 4.0)(random);
+    query_case.query.time = std::uniform_real_distribution<double>(0.0, 5.0)(random);
+    const auto path = query_case.solve();
+    if (!path || path->segments.size() < 2) continue;
+    ++solved;
+    expect_valid(query_case, *path);
+    EXPECT_EQ(path->gap(), 0.0);
+    EXPECT_NEAR(IntegerProgram(query_case, path->cost).solve(), path->cost, 1e-6);
+  }
+}
+
+TEST(KeyframeOptimizer, LoopsMeetLongTargets) {
+  Case query_case = walk_and_stand();
+  query_case.query.distance = 10.0;
+  query_case.query.time = 12.0;
+  const auto path = query_case.solve();
+  ASSERT_TRUE(path.has_value());
+  expect_valid(query_case, *path);
+  EXPECT_EQ(path->gap(), 0.0);
+  EXPECT_NEAR(path->distance, 10.0, 0.6);
+  EXPECT_NEAR(path->time, 12.0, 1.0);
+  EXPECT_GE(path->segments.size(), 8u);
+}
+
+TEST(KeyframeOptimizer, ZeroTargetsGiveTheShortestPath) {
+  Case query_case = walk_and_stand();
+  query_case.query.distance = 0.0;
+  query_case.query.time = 0.0;
+  const auto path = query_case.solve();
+  ASSERT_TRUE(path.has_value());
+  expect_valid(query_case, *path);
+  EXPECT_EQ(path->frame_count, 35);
+  EXPECT_EQ(path->segments.size(), 1u);
+  EXPECT_NEAR(path->distance, 34 * 0.04, 1e-12);
+}
+
+TEST(KeyframeOptimizer, EqualKeyframesAskForALoop) {
+  Case query_case = walk_and_stand();
+  query_case.query.keyframes = {{0, 15}, {0, 15}};
+  query_case.query.distance = 0.0;
+  query_case.query.time = 0.0;
+  const auto path = query_case.solve();
+  ASSERT_TRUE(path.has_value());
+  expect_valid(query_case, *path);
+  ASSERT_EQ(path->segments.size(), 2u);
+  // 15..30, the blend of 8 steps to 9, and on to 15.
+  EXPECT_EQ(path->frame_count, 15 + 8 + 6 + 1);
+}
+
+TEST(KeyframeOptimizer, ThreeEqualKeyframesAskForTwoLoops) {
+  Case query_case = walk_and_stand();
+  query_case.query.keyframes = {{0, 15}, {0, 15}, {0, 15}};
+  query_case.query.time = 0.0;
+  const auto path = query_case.solve();
+  ASSERT_TRUE(path.has_value());
+  expect_valid(query_case, *path);
+  EXPECT_EQ(path->frame_count, 2 * 29 + 1);
+}
+
+TEST(KeyframeOptimizer, KeyframesAreShownInTheOrderAsked) {
+  Case query_case = walk_and_stand();
+  // Forward through the walk, then the stand, back to an earlier frame of the walk, then the stand again.
+  query_case.query.keyframes = {{0, 2}, {0, 14}, {1, 15}, {0, 12}, {1, 12}, {0, 38}};
+  query_case.query.distance = 3.0;
+  query_case.query.time = 8.0;
+  const auto path = query_case.solve();
+  ASSERT_TRUE(path.has_value());
+  expect_valid(query_case, *path);
+  EXPECT_EQ(path->gap(), 0.0);
+}
+
+TEST(KeyframeOptimizer, AFrameInsideABlendIsNotShown) {
+  Case query_case = walk_and_stand();
+  // The transition into the stand arrives at frame 9, pure; frame 8 is still blended.
+  query_case.query.keyframes = {{0, 2}, {1, 9}};
+  EXPECT_TRUE(query_case.solve().has_value());
+  query_case.query.keyframes = {{0, 2}, {1, 8}};
+  EXPECT_FALSE(query_case.solve().has_value());
+}
+
+TEST(KeyframeOptimizer, AbuttingWindowsShareOneFrame) {
+  Case query_case;
+  query_case.trajectories = {straight(20, 0.02), straight(20, 0.03), straight(20, 0.05)};
+  query_case.transitions = {
+      make_transition(query_case.trajectories, 0, 10, 1, 8, 2, 0.1),
+      make_transition(query_case.trajectories, 1, 13, 2, 6, 3, 0.1)};  // arrives at, leaves from 10
+  query_case.query.keyframes = {{0, 8}, {1, 10}, {2, 9}};
+  const auto path = query_case.solve();
+  ASSERT_TRUE(path.has_value());
+  expect_valid(query_case, *path);
+  ASSERT_EQ(path->segments.size(), 3u);
+  EXPECT_EQ(path->segments[1].first_frame, path->segments[1].last_frame);
+  EXPECT_EQ(path->frame_count, 4 + 6 + 1);
+  query_case.transitions[1].m = 12;  // leaves one frame too early
+  EXPECT_FALSE(query_case.solve().has_value());
+}
+
+TEST(KeyframeOptimizer, WithoutWeightsTheCheapestPathWins) {
+  Case query_case = walk_and_stand();
+  query_case.query.keyframes = {{0, 2}, {1, 20}};
+  query_case.query.distance = 100.0;
+  query_case.query.time = 100.0;
+  query_case.options.distance_weight = 0.0;
+  query_case.options.time_weight = 0.0;
+  const auto path = query_case.solve();
+  ASSERT_TRUE(path.has_value());
+  expect_valid(query_case, *path);
+  EXPECT_EQ(path->gap(), 0.0);
+  EXPECT_NEAR(path->cost, 0.3, 1e-12);
+}
+
+TEST(KeyframeOptimizer, FreeLoopsEndTheSearchWhateverTheWeights) {
+  for (const double distance_weight : {0.0, 1e-9, 1.0 / 0.3}) {
+    for (const double time_weight : {0.0, 1e-9, 0.1}) {
+      for (const double speed : {0.0, 0.04}) {
+        SCOPED_TRACE(fmt::format("weights {} and {}, {} m a frame", distance_weight, time_weight, speed));
+        Case query_case;
+        query_case.trajectories = {straight(40, speed), straight(30, 0.0)};
+        query_case.transitions = {make_transition(query_case.trajectories, 0, 30, 0, 5, 2, 0.0),
+                                  make_transition(query_case.trajectories, 1, 20, 1, 6, 3, 0.0),
+                                  make_transition(query_case.trajectories, 0, 22, 1, 6, 3, 0.0),
+                                  make_transition(query_case.trajectories, 1, 22, 0, 8, 3, 0.0)};
+        query_case.query.keyframes = {{0, 2}, {0, 36}};
+        query_case.query.distance = 5.0;
+        query_case.query.time = 6.0;
+        query_case.options.distance_weight = distance_weight;
+        query_case.options.time_weight = time_weight;
+        query_case.options.max_labels = 200'000;
+        const auto path = query_case.solve();
+        ASSERT_TRUE(path.has_value());
+        expect_valid(query_case, *path);
+        EXPECT_LE(path->gap(), 1e-6);
+      }
+    }
+  }
+}
+
+TEST(KeyframeOptimizer, ASpentBudgetLeavesAFeasiblePathAndASoundBound) {
+  std::mt19937 random(4);
+  int unproved = 0;
+  for (int i = 0; i < 40; ++i) {
+    SCOPED_TRACE(i);
+    Case query_case = random_case({.clips = 3,
+                                   .min_frames = 20,
+                                   .max_frames = 30,
+                                   .min_transitions = 8,
+                                   .max_transitions = 12,
+                                   .max_half_window = 5,
+                                   .max_keyframes = 3},
+                                  random);
+    query_case.query.distance = 5.0;
+    query_case.query.time = 8.0;
+    const auto best = query_case.solve();
+    if (!best) continue;
+    ASSERT_EQ(best->gap(), 0.0);
+    for (const std::size_t max_labels : {0u, 1u, 10u, 40u, 100u}) {
+      query_case.options.max_labels = max_labels;
+      const auto path = query_case.solve();
+      ASSERT_TRUE(path.has_value());
+      expect_valid(query_case, *path);
+      EXPECT_GE(path->cost, best->cost - 1e-9);
+      EXPECT_LE(path->lower_bound, best->cost + 1e-9);
+      unproved += path->gap() > 0.0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(unproved, 20);
+}
+
+TEST(KeyframeOptimizer, TheSameQueryGivesTheSamePath) {
+  std::mt19937 random(5);
+  for (int i = 0; i < 20; ++i) {
+    Case query_case =
+        random_case({.clips = 3, .min_frames = 20, .max_frames = 30, .max_transitions = 10}, random);
+    query_case.query.distance = 3.0;
+    query_case.query.time = 5.0;
+    const auto first = query_case.solve();
+    const auto second = query_case.solve();
+    ASSERT_EQ(first.has_value(), second.has_value());
+    if (!first) continue;
+    EXPECT_EQ(first->cost, second->cost);
+    EXPECT_EQ(first->labels, second->labels);
+    ASSERT_EQ(first->segments.size(), second->segments.size());
+    for (std::size_t j = 0; j < first->segments.size(); ++j) {
+      EXPECT_EQ(first->segments[j].clip_idx, second->segments[j].clip_idx);
+      EXPECT_EQ(first->segments[j].last_frame, second->segments[j].last_frame);
+    }
+    // Nor does the order of the transitions matter to the optimum.
+    std::reverse(query_case.transitions.begin(), query_case.transitions.end());
+    EXPECT_NEAR(query_case.solve()->cost, first->cost, 1e-9);
+  }
+}
+
+TEST(NoPath, NamesThePairThatFailsAndWhatTheGraphLacks) {
+  Case query_case = walk_and_stand();
+  {  // nothing leaves
+    query_case.query.keyframes = {{0, 2}, {0, 38}, {1, 20}};
+    const auto path = query_case.solve();
+    ASSERT_FALSE(path.has_value());
+    EXPECT_THAT(path.error().reason,
+                HasSubstr("key-frame 3 (clip1:20) cannot be reached from key-frame 2 (clip0:38)"));
+    EXPECT_THAT(path.error().reason, HasSubstr("the first leads to 'clip0' from frame 38; the second"));
+    EXPECT_THAT(path.error().reason,
+                HasSubstr("reached from 'clip0' up to frame 30, 'clip1' up to frame 20"));
+    EXPECT_THAT(
+        path.error().reason,
+        HasSubstr("no transition leaves 'clip0' at or after frame 38 (the last one leaves at frame 30)"));
+    EXPECT_THAT(path.error().reason, Not(HasSubstr("arrives")));
+  }
+  {  // nothing arrives early enough
+    query_case.query.keyframes = {{0, 2}, {1, 3}};
+    const auto path = query_case.solve();
+    ASSERT_FALSE(path.has_value());
+    EXPECT_THAT(path.error().reason,
+                HasSubstr("key-frame 2 (clip1:3) cannot be reached from key-frame 1 (clip0:2)"));
+    EXPECT_THAT(
+        path.error().reason,
+        HasSubstr(
+            "no transition arrives in 'clip1' at or before frame 3 (the first one arrives at frame 9)"));
+    EXPECT_THAT(path.error().reason, Not(HasSubstr("leaves")));
+  }
+  {  // a clip that nothing enters or leaves
+    query_case.trajectories.push_back(straight(10, 0.0));
+    query_case.query.keyframes = {{0, 2}, {2, 5}};
+    auto path = query_case.solve();
+    ASSERT_FALSE(path.has_value());
+    EXPECT_THAT(path.error().reason, HasSubstr("no transition arrives in 'clip2'"));
+    query_case.query.keyframes = {{2, 5}, {2, 5}};
+    path = query_case.solve();
+    ASSERT_FALSE(path.has_value());
+    EXPECT_THAT(path.error().reason, HasSubstr("no transition leaves 'clip2'"));
+  }
+  {  // two parts that do not meet
+    query_case.trajectories.push_back(straight(30, 0.0));
+    query_case.transitions.push_back(make_transition(query_case.trajectories, 2, 5, 3, 5, 1, 0.1));
+    query_case.query.keyframes = {{0, 2}, {3, 20}};
+    const auto path = query_case.solve();
+    ASSERT_FALSE(path.has_value());
+    EXPECT_THAT(path.error().reason, HasSubstr("no transition joins the one to the other"));
+  }
+}
+
+TEST(KeyframeOptimizer, BadArgumentsAreNamed) {
+  const Case good = walk_and_stand();
+  const auto expect_refused = [&](const Case& bad, const char* what) {
+    try {
+      (void)bad.solve();
+      ADD_FAILURE() << "accepted: " << what;
+    } catch (const InvalidArgument& error) {
+      EXPECT_THAT(error.what(), HasSubstr(what));
+    }
+  };
+  {
+    Case bad = good;
+    bad.query.keyframes.pop_back();
+    expect_refused(bad, "key-frames: expected at least 2, found 1");
+  }
+  {
+    Case bad = good;
+    bad.query.keyframes[1] = {0, 40};
+    expect_refused(bad, "key-frame 2: expected a frame of 'clip0' below 40, found 40");
+  }
+  {
+    Case bad = good;
+    bad.query.keyframes[0] = {2, 0};
+    expect_refused(bad, "key-frame 1: expected a clip index below 2, found 2");
+  }
+  for (const double value : {-1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
+    Case bad = good;
+    bad.query.distance = value;
+    expect_refused(bad, "target distance");
+    bad = good;
+    bad.query.time = value;
+    expect_refused(bad, "target time");
+    bad = good;
+    bad.options.distance_weight = value;
+    expect_refused(bad, "distance weight");
+    bad = good;
+    bad.options.time_weight = value;
+    expect_refused(bad, "time weight");
+    bad = good;
+    bad.transitions[0].cost = value;
+    expect_refused(bad, "transition 0 has cost");
+  }
+  {
+    Case bad = good;
+    bad.transitions[1].m = 38;
+    expect_refused(bad, "transition 1 needs source frames 35 to 41, but the clip has frames 0 to 39");
+    bad.transitions[1] = good.transitions[1];
+    bad.transitions[1].target_clip = 5;
+    expect_refused(bad, "transition 1 joins clips 0 and 5");
+    bad.transitions[1] = good.transitions[1];
+    bad.transitions[1].half_window = 0;
+    expect_refused(bad, "transition 1 has half window 0");
+  }
+  EXPECT_THROW((void)find_keyframe_path(good.metrics(), good.query, good.options, {"one"}), InvalidArgument);
+  EXPECT_THROW(PathMetrics(good.trajectories, good.transitions, BlendProfile::smooth, 0.0), InvalidArgument);
+}
+
+TEST(PathMetrics, ABlendOfTwoEqualWalksCoversTheSameGround) {
+  const std::vector<Trajectory> trajectories{straight(40, 0.04)};
+  const PathMetrics metrics(trajectories, {make_transition(trajectories, 0, 30, 0, 10, 6, 0.1)},
+                            BlendProfile::smooth, kFps);
+  EXPECT_NEAR(metrics.blend_distance(0), 12 * 0.04, 1e-12);
+  EXPECT_NEAR(metrics.clip_distance(0, 5, 25), 20 * 0.04, 1e-12);
+}
+
+TEST(PathMetrics, MovingAClipOnTheGroundChangesNoDistance) {
+  std::mt19937 random(6);
+  for (int i = 0; i < 20; ++i) {
+    const Case query_case = random_case({.clips = 2, .min_frames = 20, .max_frames = 30}, random);
+    const GroundTransform moved_from_clip{.yaw = 1.3, .translation = {4.0, -2.0}};
+    Case moved = query_case;
+    for (Eigen::Vector2d& point : moved.trajectories[1]) point = moved_from_clip * point;
+    for (Transition& transition : moved.transitions) {
+      if (transition.source_clip == 1) {
+        transition.source_from_target = moved_from_clip * transition.source_from_target;
+      }
+      if (transition.target_clip == 1) {
+        transition.source_from_target = transition.source_from_target * moved_from_clip.inverse();
+      }
+    }
+    const PathMetrics before = query_case.metrics();
+    const PathMetrics after = moved.metrics();
+    for (std::size_t j = 0; j < query_case.transitions.size(); ++j) {
+      EXPECT_NEAR(before.blend_distance(j), after.blend_distance(j), 1e-9);
+    }
+    EXPECT_NEAR(before.clip_distance(1, 0, 19), after.clip_distance(1, 0, 19), 1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace reprise

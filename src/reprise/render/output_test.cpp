@@ -1,0 +1,302 @@
+// SPDX-FileCopyrightText: 2026 The Reprise authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include <cmath>
+#include <cstring>
+#include <functional>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <png.h>
+
+#include "reprise/core/atomic_file.h"
+#include "reprise/core/error.h"
+#include "reprise/render/child_process.h"
+#include "reprise/render/plots.h"
+#include "reprise/render/renderer.h"
+#include "support/test_data.h"
+
+namespace reprise {
+namespace {
+
+namespace fs = std::filesystem;
+using test::TemporaryFolder;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+Image gradient(int width, int height, int shift = 0) {
+  Image image{.width = width, .height = height};
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      image.rgb.push_back(static_cast<std::uint8_t>(x + shift));
+      image.rgb.push_back(static_cast<std::uint8_t>(y));
+      image.rgb.push_back(static_cast<std::uint8_t>(x * y));
+    }
+  }
+  return image;
+}
+
+Image read_png(const fs::path& path) {
+  png_image png;
+  std::memset(&png, 0, sizeof png);
+  png.version = PNG_IMAGE_VERSION;
+  EXPECT_NE(png_image_begin_read_from_file(&png, path.c_str()), 0) << png.message;
+  png.format = PNG_FORMAT_RGB;
+  Image image{.width = static_cast<int>(png.width), .height = static_cast<int>(png.height)};
+  image.rgb.resize(PNG_IMAGE_SIZE(png));
+  EXPECT_NE(png_image_finish_read(&png, nullptr, image.rgb.data(), 0, nullptr), 0) << png.message;
+  return image;
+}
+
+std::size_t count_near(const Image& image, Color color, int tolerance = 3) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < image.rgb.size(); i += 3) {
+    bool near = true;
+    for (std::size_t c = 0; c < 3; ++c)
+      near = near && std::abs(int{image.rgb[i + c]} - int{color[c]}) <= tolerance;
+    count += near ? 1 : 0;
+  }
+  return count;
+}
+
+std::size_t entries(const fs::path& folder) {
+  return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+}
+
+std::string message_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+// What a program prints; its arguments are fixed by the test.
+std::string output_of(const std::vector<std::string>& arguments, const fs::path& file) {
+  ChildProcess child(arguments, {.output = file}, "by the tests");
+  EXPECT_TRUE(child.finish()) << child.report();
+  return read_text_file(file);
+}
+
+std::size_t occurrences(const std::string& text, const std::string& word) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) ++count;
+  return count;
+}
+
+TEST(WritePng, ReadsBackTheSamePixels) {
+  const TemporaryFolder folder;
+  const Image image = gradient(37, 21);
+  write_png(image, folder / "a.png");
+  EXPECT_EQ(read_png(folder / "a.png").rgb, image.rgb);
+  EXPECT_EQ(entries(folder.path()), 1U);
+}
+
+TEST(WritePng, RefusesAPictureOfTheWrongSizeAndAMissingFolder) {
+  const TemporaryFolder folder;
+  Image image = gradient(8, 8);
+  EXPECT_THROW(write_png(image, folder / "no" / "a.png"), FileError);
+  image.rgb.pop_back();
+  EXPECT_THROW(write_png(image, folder / "a.png"), InvalidArgument);
+  EXPECT_THROW(write_png(Image{}, folder / "a.png"), InvalidArgument);
+  EXPECT_EQ(entries(folder.path()), 0U);
+}
+
+TEST(Tile, PutsEveryImageWholeInItsPlace) {
+  const std::vector<Image> images = {gradient(5, 4), gradient(5, 4, 50), gradient(5, 4, 100)};
+  const Image tiled = tile(images, 2);
+  ASSERT_EQ(tiled.width, 10);
+  ASSERT_EQ(tiled.height, 8);
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    for (std::size_t y = 0; y < 4; ++y) {
+      for (std::size_t x = 0; x < 15; ++x) {
+        EXPECT_EQ(tiled.rgb[((i / 2) * 4 + y) * 30 + (i % 2) * 15 + x], images[i].rgb[y * 15 + x]);
+      }
+    }
+  }
+  EXPECT_EQ(tile({images[0]}, 7).rgb, images[0].rgb);
+  EXPECT_THROW(tile({}, 1), InvalidArgument);
+  EXPECT_THROW(tile(images, 0), InvalidArgument);
+  EXPECT_THROW(tile({gradient(5, 4), gradient(4, 5)}, 2), InvalidArgument);
+}
+
+TEST(VideoWriter, HasEveryFrameTheSizeAndTheRate) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "a:b 'c'.mp4";
+  VideoWriter video(path, 64, 48, 25.0);
+  for (int i = 0; i < 9; ++i) video.append(gradient(64, 48, 10 * i));
+  EXPECT_FALSE(fs::exists(path)) << "only whole videos have their name";
+  video.commit();
+  ASSERT_EQ(entries(folder.path()), 1U);
+  const std::string facts = output_of(
+      {"ffprobe", "-v", "error", "-count_frames", "-show_streams", "-of", "default", "file:" + path.string()},
+      folder / "facts");
+  EXPECT_THAT(facts, AllOf(HasSubstr("codec_name=h264"), HasSubstr("width=64"), HasSubstr("height=48"),
+                           HasSubstr("nb_read_frames=9"), HasSubstr("r_frame_rate=25/1"),
+                           HasSubstr("pix_fmt=yuv420p"), HasSubstr("color_space=bt709"),
+                           HasSubstr("color_range=tv")));
+}
+
+TEST(VideoWriter, KeepsColors) {
+  const TemporaryFolder folder;
+  Image red{.width = 32, .height = 32};
+  for (int i = 0; i < 32 * 32; ++i) red.rgb.insert(red.rgb.end(), {200, 40, 60});
+  VideoWriter video(folder / "red.mp4", 32, 32, 25.0);
+  video.append(red);
+  video.commit();
+  const std::string raw = output_of({"ffmpeg", "-v", "error", "-i", (folder / "red.mp4").string(), "-f",
+                                     "rawvideo", "-pix_fmt", "rgb24", "pipe:1"},
+                                    folder / "raw");
+  ASSERT_EQ(raw.size(), red.rgb.size());
+  for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(static_cast<std::uint8_t>(raw[3 * 500 + c]), red.rgb[c], 4);
+}
+
+TEST(VideoWriter, LeavesNothingWithoutACommit) {
+  const TemporaryFolder folder;
+  {
+    VideoWriter video(folder / "a.mp4", 64, 48, 25.0);
+    video.append(gradient(64, 48));
+  }
+  EXPECT_EQ(entries(folder.path()), 0U);
+}
+
+TEST(VideoWriter, RefusesBadSizesRatesAndFrames) {
+  const TemporaryFolder folder;
+  EXPECT_THROW(VideoWriter(folder / "a.mp4", 63, 48, 25.0), InvalidArgument);
+  EXPECT_THROW(VideoWriter(folder / "a.mp4", 64, 47, 25.0), InvalidArgument);
+  EXPECT_THROW(VideoWriter(folder / "a.mp4", 0, 48, 25.0), InvalidArgument);
+  EXPECT_THROW(VideoWriter(folder / "a.mp4", 64, 48, 0.0), InvalidArgument);
+  EXPECT_THROW(VideoWriter(folder / "no" / "a.mp4", 64, 48, 25.0), FileError);
+  VideoWriter video(folder / "a.mp4", 64, 48, 25.0);
+  EXPECT_THROW(video.append(gradient(48, 64)), InvalidArgument);
+  EXPECT_THROW(video.commit(), InvalidArgument);
+}
+
+TEST(ChildProcess, AMissingProgramIsNamedWithWhatItIsNeededFor) {
+  const auto start = [] { ChildProcess child({"reprise-no-such-program"}, {}, "to fly"); };
+  EXPECT_THAT(message_of(start), AllOf(HasSubstr("reprise-no-such-program"), HasSubstr("to fly")));
+}
+
+TEST(ChildProcess, ADeadChildIsAFailedWriteNotASignal) {
+  ChildProcess child({"false"}, {.input = true}, "by the tests");
+  const std::vector<std::uint8_t> bytes(1 << 20);
+  EXPECT_FALSE(child.write(bytes) && child.write(bytes));
+  EXPECT_FALSE(child.finish());
+  EXPECT_THAT(child.report(), HasSubstr("status 1"));
+}
+
+DissimilarityMatrix striped(std::size_t first_clip, std::size_t second_clip) {
+  DissimilarityMatrix matrix("vertex", "key", {"it's `one`", "two_2"}, {first_clip, second_clip});
+  for (std::size_t a = 0; a < matrix.frame_count(); ++a) {
+    for (std::size_t b = a + 1; b < matrix.frame_count(); ++b) {
+      matrix.set(a, b, (b - a) % 20 < 10 ? 0.05F : 0.1F, 0.0F);
+    }
+  }
+  return matrix;
+}
+
+TEST(PlotMatrix, ShowsThePaletteAndTheTransitions) {
+  const TemporaryFolder folder;
+  const DissimilarityMatrix matrix = striped(60, 40);
+  plot_matrix(matrix, {}, folder / "plain.png");
+  plot_matrix(matrix, {{.source_clip = 0, .target_clip = 1, .m = 30, .n = 20}}, folder / "marked.png");
+  const Image plain = read_png(folder / "plain.png");
+  const Image marked = read_png(folder / "marked.png");
+  EXPECT_EQ(plain.width, 1400);
+  EXPECT_EQ(plain.height, 1250);
+  EXPECT_GT(count_near(plain, {0x44, 0x01, 0x54}), 3000U) << "the diagonal";
+  EXPECT_GT(count_near(plain, {0xfd, 0xe7, 0x25}), 100000U) << "the largest value";
+  EXPECT_GT(count_near(plain, {0x21, 0x91, 0x8c}), 100000U) << "half of it";
+  // The mark changes the picture around its own place, and only there: row 30 of 100, column 80 of 100.
+  std::size_t inside = 0;
+  std::size_t outside = 0;
+  for (int y = 0; y < 1250; ++y) {
+    for (int x = 0; x < 1400; ++x) {
+      const std::size_t i = 3 * (static_cast<std::size_t>(y) * 1400 + static_cast<std::size_t>(x));
+      if (std::equal(&plain.rgb[i], &plain.rgb[i] + 3, &marked.rgb[i])) continue;
+      const bool near = std::hypot(x - (170.0 + 10.4 * 80.5), y - (75.0 + 10.4 * 30.5)) < 12.0;
+      (near ? inside : outside) += 1;
+    }
+  }
+  EXPECT_GT(inside, 20U);
+  EXPECT_EQ(outside, 0U);
+}
+
+TEST(PlotMatrix, MoreFramesThanPixelsStillFit) {
+  const TemporaryFolder folder;
+  plot_matrix(striped(1500, 1300), {}, folder / "large.png");
+  EXPECT_EQ(read_png(folder / "large.png").width, 1400);
+}
+
+TEST(PlotMatrix, RefusesTransitionsOutsideAndLeavesNothing) {
+  const TemporaryFolder folder;
+  const DissimilarityMatrix matrix = striped(6, 4);
+  EXPECT_THROW(plot_matrix(matrix, {{.source_clip = 0, .target_clip = 2}}, folder / "a.png"),
+               InvalidArgument);
+  EXPECT_THROW(plot_matrix(matrix, {{.source_clip = 0, .target_clip = 1, .m = 0, .n = 4}}, folder / "a.png"),
+               InvalidArgument);
+  EXPECT_THROW(plot_matrix(DissimilarityMatrix(), {}, folder / "a.png"), InvalidArgument);
+  EXPECT_THROW(plot_matrix(matrix, {}, folder / "no" / "a.png"), FileError);
+  EXPECT_EQ(entries(folder.path()), 0U);
+}
+
+SurfaceMotionGraph complete_graph(std::size_t clip_count) {
+  SurfaceMotionGraph graph;
+  for (std::size_t c = 0; c < clip_count; ++c) {
+    graph.clips.push_back(
+        {.name = fmt::format("clip <{}> & \\N", c), .frame_count = 50, .frames_per_second = 25.0});
+  }
+  for (std::size_t a = 0; a < clip_count; ++a) {
+    for (std::size_t b = 0; b < clip_count; ++b) {
+      graph.transitions.push_back(
+          {.source_clip = a, .target_clip = b, .m = 12, .n = 30, .half_window = 8, .cost = 0.13});
+    }
+  }
+  return graph;
+}
+
+void expect_well_formed(const fs::path& svg, const fs::path& scratch) {
+  // xmllint reads the document type's file from the network unless told not to.
+  ChildProcess child({"xmllint", "--nonet", "--noout", svg.string()}, {.output = scratch}, "by the tests");
+  EXPECT_TRUE(child.finish()) << child.report();
+}
+
+TEST(DrawGraph, HasEveryNodeAndEveryEdgeAndIsWellFormed) {
+  for (const std::size_t clip_count : {1U, 3U, 9U}) {
+    const TemporaryFolder folder;
+    const fs::path path = folder / "graph.svg";
+    draw_graph(complete_graph(clip_count), path);
+    const std::string svg = read_text_file(path);
+    EXPECT_EQ(occurrences(svg, "class=\"node\""), clip_count);
+    EXPECT_EQ(occurrences(svg, "class=\"edge\""), clip_count * clip_count);
+    for (std::size_t c = 0; c < clip_count; ++c) {
+      EXPECT_THAT(svg, HasSubstr(fmt::format("clip &lt;{}&gt; &amp; \\N", c)))
+          << "names are text, not markup";
+    }
+    EXPECT_THAT(svg, HasSubstr("50 frames, 2.0 s"));
+    EXPECT_THAT(svg, HasSubstr("12→30, L 8, 0.130 m"));
+    EXPECT_THAT(svg, Not(HasSubstr("stroke-dasharray")));
+    expect_well_formed(path, folder / "scratch");
+  }
+}
+
+TEST(DrawGraph, RemovedEdgesAreDashed) {
+  const TemporaryFolder folder;
+  SurfaceMotionGraph graph = complete_graph(2);
+  graph.removed.push_back({.source_clip = graph.clips[0].name, .target_clip = graph.clips[1].name});
+  draw_graph(graph, folder / "graph.svg");
+  const std::string svg = read_text_file(folder / "graph.svg");
+  EXPECT_EQ(occurrences(svg, "class=\"edge\""), 4U);
+  EXPECT_EQ(occurrences(svg, "stroke-dasharray"), 1U);
+}
+
+TEST(DrawGraph, AMissingFolderIsAFileError) {
+  const TemporaryFolder folder;
+  EXPECT_THROW(draw_graph(complete_graph(2), folder / "no" / "graph.svg"), FileError);
+}
+
+}  // namespace
+}  // namespace reprise

@@ -1,0 +1,528 @@
+// SPDX-FileCopyrightText: 2026 The Reprise authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "reprise/render/renderer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+
+#include <Eigen/LU>
+#include <fmt/format.h>
+
+#include "reprise/core/error.h"
+#include "reprise/render/camera.h"
+#include "reprise/render/gl_context.h"
+#include "reprise/render/shaders.h"
+
+namespace reprise {
+namespace {
+
+constexpr int shadow_size = 768;
+constexpr int floor_light_size = 256;
+constexpr int floor_taps = 16;
+
+class Program {
+ public:
+  Program(const char* vertex_source, const char* fragment_source)
+      : id_(link_program(vertex_source, fragment_source)) {}
+
+  void use() const { glUseProgram(id_); }
+  void set(const char* name, int value) { glUniform1i(location(name), value); }
+  void set(const char* name, double value) { glUniform1f(location(name), static_cast<float>(value)); }
+  void set(const char* name, const Eigen::Vector2d& v) {
+    const Eigen::Vector2f value = v.cast<float>();
+    glUniform2fv(location(name), 1, value.data());
+  }
+  void set(const char* name, const Eigen::Vector3d& v) {
+    const Eigen::Vector3f value = v.cast<float>();
+    glUniform3fv(location(name), 1, value.data());
+  }
+  void set(const char* name, const Eigen::Matrix4d& m) {
+    const Eigen::Matrix4f value = m.cast<float>();
+    glUniformMatrix4fv(location(name), 1, GL_FALSE, value.data());
+  }
+  void set(const char* name, const Eigen::Matrix<double, 2, 3>& m) {
+    const Eigen::Matrix<float, 2, 3> value = m.cast<float>();
+    glUniformMatrix3x2fv(location(name), 1, GL_FALSE, value.data());
+  }
+  void set(const char* name, const std::vector<Eigen::Vector2f>& values) {
+    glUniform2fv(location(name), static_cast<GLsizei>(values.size()), values.front().data());
+  }
+
+ private:
+  GLint location(const char* name) {
+    const auto [entry, is_new] = locations_.try_emplace(name, -1);
+    if (is_new) entry->second = glGetUniformLocation(id_, name);
+    return entry->second;
+  }
+
+  GLuint id_;
+  std::map<std::string, GLint, std::less<>> locations_;
+};
+
+GLuint make_texture(GLenum internal_format, int width, int height, GLenum format, GLenum type, GLint filter) {
+  GLuint texture = 0;
+  glGenTextures(1, &texture);
+  glBindTexture(GL_TEXTURE_2D, texture);
+  glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(internal_format), width, height, 0, format, type,
+               nullptr);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);
+  const float lit[] = {1.0F, 1.0F, 1.0F, 1.0F};
+  glTexParameterfv(GL_TEXTURE_2D, GL_TEXTURE_BORDER_COLOR, lit);
+  return texture;
+}
+
+GLuint make_framebuffer() {
+  GLuint framebuffer = 0;
+  glGenFramebuffers(1, &framebuffer);
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+  return framebuffer;
+}
+
+void check_framebuffer(const char* what) {
+  const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER);
+  const GLenum error = glGetError();
+  if (status != GL_FRAMEBUFFER_COMPLETE || error != GL_NO_ERROR) {
+    throw Error(fmt::format("the OpenGL driver cannot make a target for {} (status {:#x}, error {:#x})", what,
+                            status, error));
+  }
+}
+
+// Rows of the rotation part, then the translation that puts `origin` at zero.
+Eigen::Matrix4d view_from_world(const View& view) {
+  Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
+  m.block<1, 3>(0, 0) = view.right.transpose();
+  m.block<1, 3>(1, 0) = view.up.transpose();
+  m.block<1, 3>(2, 0) = view.forward.transpose();
+  m.block<3, 1>(0, 3) = -m.block<3, 3>(0, 0) * view.eye;
+  return m;
+}
+
+// Points spread evenly over the unit disk (Vogel's spiral).
+std::vector<Eigen::Vector2f> disk_taps() {
+  std::vector<Eigen::Vector2f> taps;
+  for (int i = 0; i < floor_taps; ++i) {
+    const float angle = 2.39996323F * static_cast<float>(i);
+    const float radius = std::sqrt((static_cast<float>(i) + 0.5F) / floor_taps);
+    taps.emplace_back(radius * std::cos(angle), radius * std::sin(angle));
+  }
+  return taps;
+}
+
+struct Rectangle {
+  int x = 0;
+  int y = 0;
+  int width = 0;
+  int height = 0;
+};
+
+}  // namespace
+
+struct SequenceRenderer::Impl {
+  Impl(const MeshSequence& s, const RenderOptions& o) : sequence(s), options(o), path(s, o) {
+    const GlContext::Scope scope(context);
+    check_limits();
+    make_buffers();
+    make_targets();
+    floor_program = std::make_unique<Program>(shaders::screen_vertex, shaders::floor_light_fragment);
+    floor_program->use();
+    floor_program->set("taps", disk_taps());
+    average_program = std::make_unique<Program>(shaders::screen_vertex, shaders::average_fragment);
+    shadow_program = std::make_unique<Program>(shaders::shadow_vertex, shaders::empty_fragment);
+    backdrop_program = std::make_unique<Program>(shaders::backdrop_vertex, shaders::backdrop_fragment);
+    surface_program = std::make_unique<Program>(shaders::surface_vertex, shaders::surface_fragment);
+    composite_program = std::make_unique<Program>(shaders::screen_vertex, shaders::composite_fragment);
+  }
+
+  void check_limits() const {
+    GLint max_size = 0;
+    GLint max_samples = 0;
+    glGetIntegerv(GL_MAX_TEXTURE_SIZE, &max_size);
+    glGetIntegerv(GL_MAX_SAMPLES, &max_samples);
+    if (options.width > max_size || options.height > max_size) {
+      throw InvalidArgument(
+          fmt::format("picture size: the OpenGL driver offers at most {0} x {0}, asked for {1} x {2}",
+                      max_size, options.width, options.height));
+    }
+    if (options.samples > max_samples) {
+      throw InvalidArgument(fmt::format("samples: the OpenGL driver offers at most {}, asked for {}",
+                                        max_samples, options.samples));
+    }
+  }
+
+  void make_buffers() {
+    glGenVertexArrays(1, &vertex_array);
+    glBindVertexArray(vertex_array);
+    GLuint buffers[4];
+    glGenBuffers(4, buffers);
+    position_buffer = buffers[0];
+    normal_buffer = buffers[1];
+    color_buffer = buffers[2];
+    for (GLuint location = 0; location < 3; ++location) {
+      glBindBuffer(GL_ARRAY_BUFFER, buffers[location]);
+      const bool is_color = location == 2;
+      glVertexAttribPointer(location, 3, is_color ? GL_UNSIGNED_BYTE : GL_FLOAT,
+                            is_color ? GL_TRUE : GL_FALSE, 0, nullptr);
+      glEnableVertexAttribArray(location);
+    }
+    const auto& triangles = sequence.topology()->triangles;
+    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, buffers[3]);
+    glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(triangles.size() * sizeof(Triangle)),
+                 triangles.data(), GL_STATIC_DRAW);
+    index_count = static_cast<GLsizei>(3 * triangles.size());
+    if (!sequence.has_colors()) {
+      const std::vector<Color> colors(sequence.vertex_count(), options.surface_color);
+      upload(color_buffer, colors.data(), colors.size() * sizeof(Color), GL_STATIC_DRAW);
+    } else if (!sequence.has_colors_per_frame()) {
+      upload(color_buffer, sequence.colors(0).data(), sequence.colors(0).size_bytes(), GL_STATIC_DRAW);
+    }
+  }
+
+  void make_targets() {
+    shadow_texture = make_texture(GL_DEPTH_COMPONENT32F, shadow_size, shadow_size, GL_DEPTH_COMPONENT,
+                                  GL_FLOAT, GL_NEAREST);
+    shadow_target = make_framebuffer();
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, shadow_texture, 0);
+    glDrawBuffer(GL_NONE);
+    glReadBuffer(GL_NONE);
+    check_framebuffer("the shadow map");
+    // The floor reads plain depths, the character compares: one texture seen through two samplers.
+    glGenSamplers(1, &compare_sampler);
+    glSamplerParameteri(compare_sampler, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    glSamplerParameteri(compare_sampler, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    glSamplerParameteri(compare_sampler, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glSamplerParameteri(compare_sampler, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    glSamplerParameteri(compare_sampler, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+    glSamplerParameteri(compare_sampler, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+
+    for (int i = 0; i < 2; ++i) {
+      floor_lights[i] =
+          make_texture(GL_RG8, floor_light_size, floor_light_size, GL_RG, GL_UNSIGNED_BYTE, GL_LINEAR);
+      floor_light_targets[i] = make_framebuffer();
+      glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, floor_lights[i], 0);
+      check_framebuffer("the light on the floor");
+    }
+
+    const GLuint picture =
+        make_texture(GL_RGBA8, options.width, options.height, GL_RGBA, GL_UNSIGNED_BYTE, GL_NEAREST);
+    picture_target = make_framebuffer();
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, picture, 0);
+    check_framebuffer("the picture");
+
+    layer = make_texture(GL_RGBA8, options.width, options.height, GL_RGBA, GL_UNSIGNED_BYTE, GL_NEAREST);
+    layer_target = make_framebuffer();
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, layer, 0);
+    check_framebuffer("the character");
+
+    const GLsizei samples = options.samples > 1 ? options.samples : 0;
+    GLuint renderbuffers[2];
+    glGenRenderbuffers(2, renderbuffers);
+    character_target = make_framebuffer();
+    const GLenum formats[] = {GL_RGBA8, GL_DEPTH_COMPONENT32F};
+    const GLenum attachments[] = {GL_COLOR_ATTACHMENT0, GL_DEPTH_ATTACHMENT};
+    for (int i = 0; i < 2; ++i) {
+      glBindRenderbuffer(GL_RENDERBUFFER, renderbuffers[i]);
+      glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, formats[i], options.width, options.height);
+      glFramebufferRenderbuffer(GL_FRAMEBUFFER, attachments[i], GL_RENDERBUFFER, renderbuffers[i]);
+    }
+    check_framebuffer("the multisampled character");
+  }
+
+  static void upload(GLuint buffer, const void* data, std::size_t size, GLenum usage) {
+    glBindBuffer(GL_ARRAY_BUFFER, buffer);
+    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(size), data, usage);
+  }
+
+  void upload_frame(std::size_t frame_idx) {
+    const PositionsView positions = sequence.frame(frame_idx);
+    const std::size_t size = static_cast<std::size_t>(positions.size()) * sizeof(float);
+    upload(position_buffer, positions.data(), size, GL_STREAM_DRAW);
+    if (sequence.has_normals()) {
+      upload(normal_buffer, sequence.normals(frame_idx).data(), size, GL_STREAM_DRAW);
+    } else {
+      const Positions normals = vertex_normals(*sequence.topology(), positions);
+      upload(normal_buffer, normals.data(), size, GL_STREAM_DRAW);
+    }
+    if (sequence.has_colors_per_frame()) {
+      const auto colors = sequence.colors(frame_idx);
+      upload(color_buffer, colors.data(), colors.size_bytes(), GL_STREAM_DRAW);
+    }
+  }
+
+  // Depths of the frame as the key light sees them. Returns light clip space from the world; the window moves
+  // in whole texels, so that shadow edges do not crawl.
+  Eigen::Matrix4d draw_shadow_map(std::size_t frame_idx) {
+    const View& light = path.light();
+    const LightWindow& window = path.light_window();
+    const Eigen::Vector3d anchor = path.anchor(frame_idx);
+    const double texel = 2.0 * window.half_size / floor_light_size;
+    const double x = texel * std::round((light.right.dot(anchor) + window.center.x()) / texel);
+    const double y = texel * std::round((light.up.dot(anchor) + window.center.y()) / texel);
+    const double near = light.forward.dot(anchor) + window.near;
+    const double range = window.far - window.near;
+    Eigen::Matrix4d light_from_world = view_from_world(light);
+    light_from_world(0, 3) = -x;
+    light_from_world(1, 3) = -y;
+    light_from_world(2, 3) = -near - 0.5 * range;
+    light_from_world.topRows<2>() /= window.half_size;
+    light_from_world.row(2) /= 0.5 * range;
+
+    glBindFramebuffer(GL_FRAMEBUFFER, shadow_target);
+    glViewport(0, 0, shadow_size, shadow_size);
+    glEnable(GL_DEPTH_TEST);
+    glClear(GL_DEPTH_BUFFER_BIT);
+    shadow_program->use();
+    shadow_program->set("light_from_world", light_from_world);
+    glDrawElements(GL_TRIANGLES, index_count, GL_UNSIGNED_INT, nullptr);
+    return light_from_world;
+  }
+
+  // Unit coordinates (0 to 1) from clip coordinates (-1 to 1).
+  static Eigen::Matrix4d unit_from_clip() {
+    Eigen::Matrix4d m = 0.5 * Eigen::Matrix4d::Identity();
+    m.col(3) << 0.5, 0.5, 0.5, 1.0;
+    return m;
+  }
+
+  // Fills `floor_light`; returns its texture coordinates from (x, z, 1) about the anchor on the floor.
+  Eigen::Matrix<double, 2, 3> draw_floor_light(std::size_t frame_idx,
+                                               const Eigen::Matrix4d& shadow_from_world) {
+    const Eigen::Vector3d anchor = path.anchor(frame_idx);
+    // On the floor, texture x, y and depth are affine in the ground's x, z.
+    Eigen::Matrix3d shadow_from_ground;
+    shadow_from_ground.col(0) = shadow_from_world.block<3, 1>(0, 0);
+    shadow_from_ground.col(1) = shadow_from_world.block<3, 1>(0, 2);
+    shadow_from_ground.col(2) =
+        shadow_from_world.block<3, 3>(0, 0) * anchor + shadow_from_world.block<3, 1>(0, 3);
+    Eigen::Matrix3d unit_from_ground = shadow_from_ground;
+    unit_from_ground.row(2) << 0.0, 0.0, 1.0;
+    const Eigen::Vector3d floor_depth = (shadow_from_ground.row(2) * unit_from_ground.inverse()).transpose();
+
+    glBindFramebuffer(GL_FRAMEBUFFER, floor_light_targets[0]);
+    glViewport(0, 0, floor_light_size, floor_light_size);
+    glDisable(GL_DEPTH_TEST);
+    glActiveTexture(GL_TEXTURE0);
+    glBindTexture(GL_TEXTURE_2D, shadow_texture);
+    glBindSampler(0, 0);
+    floor_program->use();
+    floor_program->set("depths", 0);
+    floor_program->set("half_size", path.light_window().half_size);
+    floor_program->set("depth_range", path.light_window().far - path.light_window().near);
+    floor_program->set("floor_depth", floor_depth);
+    floor_program->set("light_height", -path.light().forward.y());
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+
+    glBindFramebuffer(GL_FRAMEBUFFER, floor_light_targets[1]);
+    glBindTexture(GL_TEXTURE_2D, floor_lights[0]);
+    average_program->use();
+    average_program->set("source", 0);
+    average_program->set("half_texel", 0.5 / floor_light_size);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    // A mean lies half a texel beyond the first of its texels.
+    Eigen::Matrix<double, 2, 3> floor_light_from_ground = unit_from_ground.topRows<2>();
+    floor_light_from_ground.col(2).array() -= 0.5 / floor_light_size;
+    return floor_light_from_ground;
+  }
+
+  void draw_backdrop(std::size_t frame_idx, const View& view,
+                     const Eigen::Matrix<double, 2, 3>& floor_light_from_ground) {
+    const Eigen::Vector3d anchor = path.anchor(frame_idx);
+    const double eye_height = view.eye.y() - path.ground_height();
+    const Eigen::Vector2d eye_ground(view.eye.x(), view.eye.z());
+    glBindFramebuffer(GL_FRAMEBUFFER, picture_target);
+    glViewport(0, 0, options.width, options.height);
+    glDisable(GL_DEPTH_TEST);
+    glActiveTexture(GL_TEXTURE0);
+    glBindTexture(GL_TEXTURE_2D, floor_lights[1]);
+    glBindSampler(0, 0);
+    backdrop_program->use();
+    backdrop_program->set("floor_light", 0);
+    backdrop_program->set("ray_middle", view.forward);
+    backdrop_program->set("ray_right", Eigen::Vector3d(path.tan_half_width() * view.right));
+    backdrop_program->set("ray_up", Eigen::Vector3d(path.tan_half_height() * view.up));
+    backdrop_program->set("eye_height", eye_height);
+    backdrop_program->set("eye_ground", Eigen::Vector2d(eye_ground.array() - eye_ground.array().floor()));
+    backdrop_program->set("eye_from_anchor",
+                          Eigen::Vector2d(eye_ground - Eigen::Vector2d(anchor.x(), anchor.z())));
+    backdrop_program->set("fade_scale", 0.28 / (path.distance() * path.distance()));
+    backdrop_program->set("floor_light_from_ground", floor_light_from_ground);
+    // Seen from below, a floor would only hide the character.
+    backdrop_program->set("has_floor", options.floor && eye_height > 0.0 ? 1 : 0);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+  }
+
+  // The part of the picture that the frame's vertices cover, with a margin for anti-aliasing; and their
+  // depths.
+  Rectangle covered(std::size_t frame_idx, const View& view, double* nearest, double* farthest) const {
+    const PositionsView positions = sequence.frame(frame_idx);
+    const Eigen::Matrix4f from_world = view_from_world(view).cast<float>();
+    const Eigen::Matrix3f rotation = from_world.topLeftCorner<3, 3>();
+    const Eigen::Vector3f translation = from_world.block<3, 1>(0, 3);
+    Eigen::Array2f low = Eigen::Array2f::Constant(INFINITY);
+    Eigen::Array2f high = Eigen::Array2f::Constant(-INFINITY);
+    float near = INFINITY;
+    float far = -INFINITY;
+    for (Eigen::Index v = 0; v < positions.rows(); ++v) {
+      const Eigen::Vector3f p = rotation * positions.row(v).transpose() + translation;
+      if (!p.allFinite()) continue;
+      near = std::min(near, p.z());
+      far = std::max(far, p.z());
+      const Eigen::Array2f ndc = p.head<2>().array() / std::max(p.z(), 1e-6F);
+      low = low.min(ndc);
+      high = high.max(ndc);
+    }
+    *nearest = near;
+    *farthest = far;
+    if (!(near < INFINITY)) return {};
+    const auto pixel = [](double ndc, double half_tangent, int size) {
+      return static_cast<int>(std::clamp((0.5 + 0.5 * ndc / half_tangent) * size, -2.0, size + 2.0));
+    };
+    const int left = std::max(pixel(low.x(), path.tan_half_width(), options.width) - 2, 0);
+    const int bottom = std::max(pixel(low.y(), path.tan_half_height(), options.height) - 2, 0);
+    const int right = std::min(pixel(high.x(), path.tan_half_width(), options.width) + 3, options.width);
+    const int top = std::min(pixel(high.y(), path.tan_half_height(), options.height) + 3, options.height);
+    return {left, bottom, std::max(right - left, 0), std::max(top - bottom, 0)};
+  }
+
+  void draw_character(std::size_t frame_idx, const View& view, const Eigen::Matrix4d& shadow_from_world) {
+    double nearest = 0.0;
+    double farthest = 0.0;
+    const Rectangle area = covered(frame_idx, view, &nearest, &farthest);
+    if (area.width == 0 || area.height == 0) return;
+    const double near = std::max(0.98 * nearest, 1e-3 * path.distance());
+    const double far = std::max(1.02 * farthest, 2.0 * near);
+    Eigen::Matrix4d clip_from_view = Eigen::Matrix4d::Zero();
+    clip_from_view(0, 0) = 1.0 / path.tan_half_width();
+    clip_from_view(1, 1) = 1.0 / path.tan_half_height();
+    clip_from_view(2, 2) = (far + near) / (far - near);
+    clip_from_view(2, 3) = -2.0 * far * near / (far - near);
+    clip_from_view(3, 2) = 1.0;
+
+    // Only the covered rectangle is cleared, drawn with multisampling, resolved and composed: a fraction of
+    // the picture.
+    glBindFramebuffer(GL_FRAMEBUFFER, character_target);
+    glViewport(0, 0, options.width, options.height);
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(area.x, area.y, area.width, area.height);
+    glEnable(GL_DEPTH_TEST);
+    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    glActiveTexture(GL_TEXTURE0);
+    glBindTexture(GL_TEXTURE_2D, shadow_texture);
+    glBindSampler(0, compare_sampler);
+    const LightWindow& window = path.light_window();
+    const double texel = 2.0 * window.half_size / shadow_size;
+    Eigen::Matrix4d biased = shadow_from_world;
+    biased(2, 3) -= 2.0 * texel / (window.far - window.near);
+    surface_program->use();
+    surface_program->set("shadow", 0);
+    surface_program->set("clip_from_world", Eigen::Matrix4d(clip_from_view * view_from_world(view)));
+    surface_program->set("shadow_from_world", biased);
+    surface_program->set("shadow_offset", 3.0 * texel);
+    surface_program->set("shadow_step", 1.0 / shadow_size);
+    surface_program->set("eye", view.eye);
+    surface_program->set("to_light", Eigen::Vector3d(-path.light().forward));
+    // From beside the camera, opposite to the key light.
+    surface_program->set("to_fill", Eigen::Vector3d((view.right * 0.8 - view.forward * 0.6).normalized()));
+    glDrawElements(GL_TRIANGLES, index_count, GL_UNSIGNED_INT, nullptr);
+
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, character_target);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, layer_target);
+    glBlitFramebuffer(area.x, area.y, area.x + area.width, area.y + area.height, area.x, area.y,
+                      area.x + area.width, area.y + area.height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    glBindFramebuffer(GL_FRAMEBUFFER, picture_target);
+    glDisable(GL_DEPTH_TEST);
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+    glBindTexture(GL_TEXTURE_2D, layer);
+    glBindSampler(0, 0);
+    composite_program->use();
+    composite_program->set("layer", 0);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    glDisable(GL_BLEND);
+    glDisable(GL_SCISSOR_TEST);
+  }
+
+  Image read_picture() {
+    Image image{.width = options.width, .height = options.height};
+    const auto width = static_cast<std::size_t>(options.width);
+    const auto height = static_cast<std::size_t>(options.height);
+    pixels.resize(4 * width * height);
+    glBindFramebuffer(GL_FRAMEBUFFER, picture_target);
+    // Four bytes a pixel, as the driver keeps them: it converts to three far more slowly than the loop below.
+    glReadPixels(0, 0, options.width, options.height, GL_RGBA, GL_UNSIGNED_BYTE, pixels.data());
+    image.rgb.resize(3 * width * height);
+    std::uint8_t* out = image.rgb.data();
+    for (std::size_t row = height; row-- > 0;) {  // OpenGL's rows go upwards
+      const std::uint8_t* in = pixels.data() + 4 * width * row;
+      for (std::size_t column = 0; column < width; ++column, in += 4, out += 3) {
+        out[0] = in[0];
+        out[1] = in[1];
+        out[2] = in[2];
+      }
+    }
+    return image;
+  }
+
+  const MeshSequence& sequence;
+  RenderOptions options;
+  CameraPath path;
+  GlContext context;
+  GLuint vertex_array = 0;
+  GLuint position_buffer = 0;
+  GLuint normal_buffer = 0;
+  GLuint color_buffer = 0;
+  GLsizei index_count = 0;
+  GLuint shadow_texture = 0;
+  GLuint shadow_target = 0;
+  GLuint compare_sampler = 0;
+  GLuint floor_lights[2] = {};  // as sampled, averaged
+  GLuint floor_light_targets[2] = {};
+  GLuint picture_target = 0;
+  GLuint layer = 0;
+  GLuint layer_target = 0;
+  GLuint character_target = 0;
+  std::unique_ptr<Program> shadow_program;
+  std::unique_ptr<Program> floor_program;
+  std::unique_ptr<Program> average_program;
+  std::unique_ptr<Program> backdrop_program;
+  std::unique_ptr<Program> surface_program;
+  std::unique_ptr<Program> composite_program;
+  std::vector<std::uint8_t> pixels;
+};
+
+SequenceRenderer::SequenceRenderer(const MeshSequence& sequence, const RenderOptions& options) {
+  if (options.width < 1 || options.height < 1) {
+    throw InvalidArgument(
+        fmt::format("picture size: expected at least 1 x 1, found {} x {}", options.width, options.height));
+  }
+  if (options.samples < 1) {
+    throw InvalidArgument(fmt::format("samples: expected at least 1, found {}", options.samples));
+  }
+  impl_ = std::make_unique<Impl>(sequence, options);
+}
+
+SequenceRenderer::~SequenceRenderer() = default;
+
+Image SequenceRenderer::draw(std::size_t frame_idx) {
+  Impl& impl = *impl_;
+  const GlContext::Scope scope(impl.context);
+  impl.upload_frame(frame_idx);
+  const View view = impl.path.view(frame_idx);
+  const Eigen::Matrix4d shadow_from_world = Impl::unit_from_clip() * impl.draw_shadow_map(frame_idx);
+  Eigen::Matrix<double, 2, 3> floor_light_from_ground = Eigen::Matrix<double, 2, 3>::Zero();
+  if (impl.options.floor) floor_light_from_ground = impl.draw_floor_light(frame_idx, shadow_from_world);
+  impl.draw_backdrop(frame_idx, view, floor_light_from_ground);
+  impl.draw_character(frame_idx, view, shadow_from_world);
+  Image image = impl.read_picture();
+  if (const GLenum error = glGetError(); error != GL_NO_ERROR) {
+    throw Error(fmt::format("the OpenGL driver failed on frame {} (error {:#x})", frame_idx, error));
+  }
+  return image;
+}
+
+}  // namespace reprise

@@ -1,0 +1,226 @@
+// SPDX-FileCopyrightText: 2026 The Reprise authors
+// SPDX-License-Identifier: Apache-2.0
+
+// The renderer's shaders (GLSL 3.30). Lighting happens in linear light; what leaves a fragment shader is
+// sRGB.
+
+#pragma once
+
+namespace reprise::shaders {
+
+inline constexpr const char* shadow_vertex = R"(#version 330 core
+layout(location = 0) in vec3 position;
+uniform mat4 light_from_world;
+void main() { gl_Position = light_from_world * vec4(position, 1.0); }
+)";
+
+inline constexpr const char* empty_fragment = R"(#version 330 core
+void main() {}
+)";
+
+// One triangle over the whole target.
+inline constexpr const char* screen_vertex = R"(#version 330 core
+out vec2 unit;
+void main() {
+  unit = vec2(gl_VertexID == 1 ? 2.0 : 0.0, gl_VertexID == 2 ? 2.0 : 0.0);
+  gl_Position = vec4(2.0 * unit - 1.0, 0.0, 1.0);
+}
+)";
+
+// What of the light reaches the floor, over the window of the shadow map: r = key light, whose penumbra
+// widens with the height of what casts the shadow; g = sky light near contacts. The taps turn from texel to
+// texel in a 2 x 2 pattern, which `average_fragment` then makes one: four times the taps for the price of one
+// more pass.
+inline constexpr const char* floor_light_fragment = R"(#version 330 core
+in vec2 unit;
+out vec4 result;
+const int tap_count = 16;
+uniform vec2 taps[tap_count];  // over the unit disk
+uniform sampler2D depths;
+uniform float half_size;       // of the window, metres
+uniform float depth_range;     // metres
+uniform vec3 floor_depth;      // depth of the floor at unit (x, y): dot(floor_depth, (x, y, 1))
+uniform float light_height;    // sine of the light's elevation
+const float search_radius = 0.13;
+void main() {
+  float floor_here = dot(floor_depth, vec3(unit, 1.0));
+  float to_unit = 0.5 / half_size;
+  vec2 odd = floor(mod(gl_FragCoord.xy, 2.0));
+  float turn = 0.39269908 * (odd.x + 2.0 * odd.y);  // sixteenths of a circle
+  mat2 rotation = mat2(cos(turn), sin(turn), -sin(turn), cos(turn));
+  mat2 search = search_radius * to_unit * rotation;
+  float blocker_distance = 0.0;
+  float blockers = 0.0;
+  float contact = 0.0;
+  for (int i = 0; i < tap_count; ++i) {
+    float depth = textureLod(depths, unit + search * taps[i], 0.0).r;
+    float gap = (floor_here - depth) * depth_range;
+    float blocks = depth < 1.0 && gap > 0.0 ? 1.0 : 0.0;
+    float height = gap * light_height;
+    blockers += blocks;
+    blocker_distance += blocks * gap;
+    contact += blocks / (1.0 + 160.0 * height * height);
+  }
+  float radius = clamp(0.11 * blocker_distance / max(blockers, 1.0), 0.014, search_radius) * to_unit;
+  mat2 filtering = radius * rotation;
+  float blocked = 0.0;
+  for (int i = 0; i < tap_count; ++i) {
+    float depth = textureLod(depths, unit + filtering * taps[i], 0.0).r;
+    blocked += depth < 1.0 && depth < floor_here ? 1.0 : 0.0;
+  }
+  result = vec4(1.0 - blocked / float(tap_count), 1.0 - contact / float(tap_count), 0.0, 1.0);
+}
+)";
+
+// Mean of 2 x 2 texels: one look between them.
+inline constexpr const char* average_fragment = R"(#version 330 core
+in vec2 unit;
+out vec4 result;
+uniform sampler2D source;
+uniform float half_texel;
+void main() { result = texture(source, unit + half_texel); }
+)";
+
+inline constexpr const char* backdrop_vertex = R"(#version 330 core
+uniform vec3 ray_middle;
+uniform vec3 ray_right;
+uniform vec3 ray_up;
+out vec3 ray;
+void main() {
+  vec2 ndc = 2.0 * vec2(gl_VertexID == 1 ? 2.0 : 0.0, gl_VertexID == 2 ? 2.0 : 0.0) - 1.0;
+  ray = ray_middle + ndc.x * ray_right + ndc.y * ray_up;
+  gl_Position = vec4(ndc, 0.0, 1.0);
+}
+)";
+
+// Backdrop and floor in one pass, by meeting each view ray with the plane: nothing to clip, nothing to fight
+// over depth. Colours are mixed in sRGB; they are nearly grey.
+inline constexpr const char* backdrop_fragment = R"(#version 330 core
+in vec3 ray;
+out vec4 result;
+uniform sampler2D floor_light;
+uniform float eye_height;        // above the floor
+uniform vec2 eye_ground;         // (x, z) modulo a metre: keeps the grid sharp far from the origin
+uniform vec2 eye_from_anchor;    // (x, z)
+uniform float fade_scale;        // per square metre
+uniform mat3x2 floor_light_from_ground;  // (x, z, 1) about the anchor -> texture
+uniform bool has_floor;
+
+const vec3 horizon = vec3(0.925, 0.932, 0.942);
+const vec3 zenith = vec3(0.800, 0.820, 0.848);
+const vec3 ground = vec3(0.862, 0.868, 0.876);
+
+// Part of the pixel covered by lines `width` wide at every multiple of `spacing`; `pixel`: size of a pixel on the floor.
+float lines(vec2 p, vec2 pixel, float spacing, float width) {
+  vec2 to_line = abs(fract(p / spacing + 0.5) - 0.5) * spacing;
+  vec2 drawn = max(vec2(width), pixel);
+  vec2 cover = clamp((0.5 * (drawn + pixel) - to_line) / pixel, 0.0, 1.0);
+  cover *= min(vec2(width) / pixel, 1.0);                       // thinner than a pixel: paler instead
+  cover *= 1.0 - smoothstep(0.15, 0.45, pixel / spacing);       // too dense to resolve: gone before it shimmers
+  return max(cover.x, cover.y);
+}
+
+void main() {
+  float rise = min(abs(ray.y) * 1.5, 1.0);
+  vec3 color = mix(horizon, zenith, rise * rise * (3.0 - 2.0 * rise));
+  // Derivatives need every neighbour: taken outside of the branch, with the ray kept below the horizon.
+  vec2 step_ground = ray.xz * (eye_height / max(-ray.y, 1e-4));
+  vec2 pixel = max(fwidth(step_ground), vec2(1e-6));
+  if (has_floor && ray.y < -1e-4) {
+    vec2 p = eye_ground + step_ground;
+    vec2 about = eye_from_anchor + step_ground;
+    float fade = 1.0 / (1.0 + dot(about, about) * fade_scale);
+    fade *= fade * fade;
+    vec3 surface = ground;
+    surface *= 1.0 - 0.055 * lines(p, pixel, 0.25, 0.006) ;
+    surface *= 1.0 - 0.130 * lines(p, pixel, 1.0, 0.011);
+    vec2 light = texture(floor_light, floor_light_from_ground * vec3(about, 1.0)).rg;
+    surface *= mix(vec3(0.655, 0.672, 0.700), vec3(1.0), light.r) * mix(0.62, 1.0, light.g);
+    color = mix(horizon, surface, fade);
+  }
+  // Half a step of ordered noise hides the bands of the slow gradients.
+  float noise = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
+  result = vec4(color + (noise - 0.5) / 255.0, 1.0);
+}
+)";
+
+inline constexpr const char* surface_vertex = R"(#version 330 core
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;
+layout(location = 2) in vec3 color;
+uniform mat4 clip_from_world;
+uniform mat4 shadow_from_world;
+uniform float shadow_offset;  // metres along the normal
+uniform vec3 eye;
+out vec3 world_normal;
+out vec3 to_eye;
+out vec3 albedo;
+out vec3 shadow_position;
+vec3 linear_from_srgb(vec3 c) {
+  return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c));
+}
+void main() {
+  gl_Position = clip_from_world * vec4(position, 1.0);
+  world_normal = normal;
+  to_eye = eye - position;
+  albedo = linear_from_srgb(color);
+  shadow_position = vec3(shadow_from_world * vec4(position + shadow_offset * normal, 1.0));
+}
+)";
+
+inline constexpr const char* surface_fragment = R"(#version 330 core
+in vec3 world_normal;
+in vec3 to_eye;
+in vec3 albedo;
+in vec3 shadow_position;
+out vec4 result;
+uniform sampler2DShadow shadow;
+uniform float shadow_step;  // a texel of the shadow map
+uniform vec3 to_light;
+uniform vec3 to_fill;
+const vec3 key_light = vec3(0.98, 0.945, 0.89);
+const vec3 sky_light = vec3(0.46, 0.50, 0.56);
+const vec3 ground_light = vec3(0.22, 0.21, 0.205);
+const vec3 fill_light = vec3(0.26, 0.27, 0.29);
+// By square roots, within 0.004 of the exact curve: powers cost a software renderer far more.
+vec3 srgb_from_linear(vec3 c) {
+  vec3 r2 = sqrt(c);
+  vec3 r4 = sqrt(r2);
+  vec3 r8 = sqrt(r4);
+  return clamp(0.662002687 * r2 + 0.684122060 * r4 - 0.323583601 * r8 - 0.0225411470 * c, 0.0, 1.0);
+}
+void main() {
+  vec3 v = normalize(to_eye);
+  vec3 n = world_normal;
+  float size = dot(n, n);
+  n = size > 1e-12 ? n * inversesqrt(size) : v;  // no triangle of positive area at a corner
+  if (!gl_FrontFacing) n = -n;
+
+  // Each look compares and mixes 2 x 2 texels: together a soft edge of four texels.
+  float lit = 0.25 * (texture(shadow, shadow_position + vec3(-shadow_step, -shadow_step, 0.0)) +
+                      texture(shadow, shadow_position + vec3(shadow_step, -shadow_step, 0.0)) +
+                      texture(shadow, shadow_position + vec3(-shadow_step, shadow_step, 0.0)) +
+                      texture(shadow, shadow_position + vec3(shadow_step, shadow_step, 0.0)));
+
+  float key = clamp((dot(n, to_light) + 0.08) / 1.08, 0.0, 1.0) * lit;
+  float up = 0.5 + 0.5 * n.y;
+  vec3 light = key_light * key + mix(ground_light, sky_light, up);
+  light += fill_light * clamp(0.2 + 0.8 * dot(n, to_fill), 0.0, 1.0);
+  float edge = 1.0 - clamp(dot(n, v), 0.0, 1.0);
+  edge *= edge * edge;
+  vec3 color = albedo * light + (0.10 * edge * up) * (0.35 + albedo);
+  // A soft shoulder from 0.75 keeps pale colours from burning out.
+  vec3 above = max(color - 0.75, 0.0);
+  color = min(color, vec3(0.75)) + above / (1.0 + 4.0 * above);
+  result = vec4(srgb_from_linear(clamp(color, 0.0, 1.0)), 1.0);
+}
+)";
+
+// Lays the resolved character (premultiplied by its coverage) over the backdrop.
+inline constexpr const char* composite_fragment = R"(#version 330 core
+out vec4 result;
+uniform sampler2D layer;
+void main() { result = texelFetch(layer, ivec2(gl_FragCoord.xy), 0); }
+)";
+
+}  // namespace reprise::shaders

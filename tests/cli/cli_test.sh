@@ -1,0 +1,150 @@
+#!/usr/bin/env bash
+# The program from outside: exit codes, messages, and what is left on disk. Usage: cli_test.sh PATH_OF_REPRISE
+set -u
+reprise=$1
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 1
+failures=0
+
+fail() {
+  echo "FAILED: $1"
+  [ -f out.txt ] && sed 's/^/    /' out.txt
+  failures=$((failures + 1))
+}
+
+# expect CODE "text in the output" COMMAND...
+expect() {
+  local code=$1 text=$2
+  shift 2
+  "$@" > out.txt 2>&1
+  local got=$?
+  [ "$got" -eq "$code" ] || fail "exit code $got, expected $code: $*"
+  grep -qF -- "$text" out.txt || fail "the output lacks '$text': $*"
+}
+
+# unchanged FILE: the file still has the content it had when `keep FILE` was called.
+keep() { cp "$1" "$1.kept"; }
+unchanged() { cmp -s "$1" "$1.kept" || fail "$1 was changed by a command that failed"; }
+no_partial_files() {
+  local left
+  left=$(find . -name '*.partial-*')
+  [ -z "$left" ] || fail "half-written files are left: $left"
+}
+
+# A small performance to work on.
+expect 0 "figure.reprise" "$reprise" perform -o figure.reprise --voxel-size 0.06
+expect 0 "walk" "$reprise" info figure.reprise
+expect 0 '"format_version": 1' "$reprise" info figure.reprise --json
+expect 0 "usable" "$reprise" validate figure.reprise
+expect 0 "metric vertex" "$reprise" similarity figure.reprise --metric vertex
+expect 0 "kept from an earlier run" "$reprise" similarity figure.reprise --metric vertex
+expect 0 "transitions" "$reprise" graph figure.reprise -o graph.json
+expect 0 "proved optimal" "$reprise" keyframes figure.reprise --graph graph.json --from stand:5 --to wave:20 \
+  --distance 6 --time 6 -o new.reprise --report report.json
+expect 0 "pop ratio" "$reprise" evaluate naturalness new.reprise --database figure.reprise
+expect 0 '"captured_foot_drift_cm_s"' "$reprise" evaluate naturalness new.reprise --database figure.reprise --json
+expect 0 "new.glb" "$reprise" export new.reprise -o new.glb
+expect 0 "new.pc2" "$reprise" export new.reprise -o new.pc2
+expect 0 "frames" "$reprise" export figure.reprise --clip walk -o walk --format obj
+expect 0 "frames" "$reprise" export figure.reprise --clip stand -o stand --format ply
+
+# The command line itself
+expect 2 "subcommand" "$reprise"
+expect 2 "nonsense" "$reprise" nonsense
+expect 2 "--output is required" "$reprise" graph figure.reprise
+for command in perform import info validate similarity graph keyframes export render "evaluate naturalness"; do
+  # shellcheck disable=SC2086
+  expect 0 "OPTIONS" "$reprise" $command --help
+done
+expect 0 "[0.3]" "$reprise" evaluate naturalness --help
+
+# Missing and unreadable frames, gaps, other vertex counts and faces
+expect 1 "nowhere" "$reprise" import db.reprise --sequence a=nowhere
+mkdir empty
+expect 1 "empty" "$reprise" import db.reprise --sequence a=empty
+cp -r walk gap
+rm "gap/$(ls gap | sed -n 5p)"
+expect 1 "$(ls walk | sed -n 5p | grep -oE '[0-9]+' | sed 's/^0*//')" "$reprise" import db.reprise --sequence a=gap
+cp -r walk fewer
+sed -i '0,/^v /{/^v /d}' "fewer/$(ls fewer | sed -n 4p)"
+expect 1 "$(ls fewer | sed -n 4p)" "$reprise" import db.reprise --sequence a=fewer
+cp -r walk faces
+awk '/^f / && !done { print $1, $3, $2, $4; done = 1; next } { print }' "walk/$(ls walk | sed -n 6p)" \
+  > "faces/$(ls walk | sed -n 6p)"
+expect 1 "triangle 0" "$reprise" import db.reprise --sequence a=faces
+cp -r walk nan
+sed -i '0,/^v .*/s//v nan 0 0/' "nan/$(ls nan | sed -n 3p)"
+expect 1 "$(ls nan | sed -n 3p)" "$reprise" import db.reprise --sequence a=nan
+expect 1 "not usable" "$reprise" validate nan
+cp -r walk flat
+sed -i -E 's/^v .*/v 1 2 3/' "flat/$(ls flat | sed -n 2p)"
+expect 1 "area" "$reprise" import db.reprise --sequence a=flat
+cp -r stand short
+truncate -s 300 "short/$(ls short | sed -n 7p)"
+expect 1 "$(ls short | sed -n 7p)" "$reprise" import db.reprise --sequence a=short
+truncate -s 1000 new.pc2
+expect 1 "new.pc2" "$reprise" import db.reprise --sequence a=new.pc2,topology=new.ply
+[ ! -e db.reprise ] || fail "a failed import left a database"
+no_partial_files
+
+# Database files: truncated, foreign, of a later version; never written over something else
+head -c 5000 figure.reprise > cut.reprise
+expect 1 "cut.reprise" "$reprise" info cut.reprise
+echo "not a database" > foreign.reprise
+expect 1 "foreign.reprise" "$reprise" info foreign.reprise
+keep foreign.reprise
+expect 1 "foreign.reprise" "$reprise" import foreign.reprise --sequence a=walk
+unchanged foreign.reprise
+
+# Key-frames and graphs
+keep new.reprise
+expect 1 "did you mean 'walk'" "$reprise" keyframes figure.reprise --graph graph.json --from wlak:1 --to wave:2 -o new.reprise
+expect 1 "asked for 9999" "$reprise" keyframes figure.reprise --graph graph.json --from walk:9999 --to wave:2 -o new.reprise
+expect 1 "CLIP:FRAME" "$reprise" keyframes figure.reprise --graph graph.json --from walk --to wave:2 -o new.reprise
+expect 0 "removed" "$reprise" import pair.reprise --sequence walk=walk --sequence stand=stand -v || true
+expect 0 "transitions" "$reprise" graph pair.reprise -o pair.json --remove 'walk->stand'
+expect 0 "transitions" "$reprise" graph pair.reprise -o pair.json
+expect 1 "no path" "$reprise" keyframes pair.reprise --graph pair.json --from walk:1 --to stand:9 --distance 1 --time 1 -o new.reprise
+expect 1 "database" "$reprise" keyframes figure.reprise --graph pair.json --from walk:1 --to stand:9 -o new.reprise
+keep pair.json
+expect 1 "did you mean 'stand'" "$reprise" graph pair.reprise -o pair.json --remove 'walk->stnd'
+unchanged pair.json
+head -c 200 graph.json > broken.json
+expect 1 "broken.json" "$reprise" keyframes figure.reprise --graph broken.json --from walk:1 --to wave:2 -o new.reprise
+unchanged new.reprise
+
+# Output: unknown kinds, missing folders, foreign folders, a full disk
+expect 1 "format" "$reprise" export new.reprise -o new.xyz
+expect 1 "no folder" "$reprise" export new.reprise -o nowhere/new.glb
+mkdir mine && echo "my thesis" > mine/thesis.txt
+expect 1 "thesis.txt" "$reprise" export new.reprise -o mine --format obj
+[ -f mine/thesis.txt ] || fail "export deleted a user's file"
+keep figure.reprise
+for target in "export figure.reprise --clip walk -o full.glb" "export figure.reprise --clip walk -o full.mdd" \
+  "export figure.reprise --clip walk -o full --format ply" "perform -o figure.reprise" \
+  "import figure.reprise --sequence walk=walk"; do
+  # A limit on the size of files is the nearest thing to a full disk that needs no rights.
+  # shellcheck disable=SC2086
+  (ulimit -f 20; trap '' XFSZ; "$reprise" $target > out.txt 2>&1)
+  [ $? -eq 1 ] || fail "a full disk went unnoticed: $target"
+done
+unchanged figure.reprise
+[ ! -e full.glb ] && [ ! -e full.mdd ] && [ ! -e full ] || fail "a full disk left half a file"
+no_partial_files
+
+# Ctrl-C in the middle: an older result stays, nothing half-written is left
+expect 0 "frames" "$reprise" export figure.reprise --clip walk -o frames --format ply
+for _ in 1 2 3 4 5 6; do cp frames/* frames/.. 2> /dev/null; done; rm -f ./*_0*.ply
+"$reprise" perform -o big.reprise --voxel-size 0.012 > out.txt 2>&1 &
+job=$!
+sleep 1
+kill -INT $job
+wait $job
+code=$?
+[ $code -eq 130 ] || [ $code -eq 0 ] || fail "Ctrl-C ended with exit code $code, expected 130"
+[ $code -eq 0 ] || [ ! -e big.reprise ] || fail "Ctrl-C left a database"
+no_partial_files
+
+[ $failures -eq 0 ] && echo "all checks passed"
+exit $((failures > 0))

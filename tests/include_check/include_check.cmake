@@ -1,0 +1,103 @@
+# cmake -DROOT=FOLDER -P include_check.cmake
+#
+# Holds the sources below FOLDER to the map of the house: a file of src/reprise/X includes only from X and from folders
+# above X in the list below; headers say `#pragma once`; every C++ file starts with the two SPDX lines. Prints every
+# violation as FILE:LINE: WHAT and then fails.
+cmake_minimum_required(VERSION 3.25)
+
+set(folders core math linalg mesh sequence database io synthetic deform similarity graph path synthesis render pipeline)
+set(spdx_lines
+  "// SPDX-FileCopyrightText: [0-9]+ The Reprise authors"
+  "// SPDX-License-Identifier: Apache-2.0")
+
+set(violation_count 0)
+macro(violation text)
+  math(EXPR violation_count "${violation_count} + 1")
+  message(NOTICE "${text}")
+endmacro()
+
+if(NOT IS_DIRECTORY "${ROOT}/src/reprise")
+  message(FATAL_ERROR "ROOT=${ROOT}: expected a folder that holds src/reprise")
+endif()
+file(GLOB_RECURSE files RELATIVE ${ROOT}
+  ${ROOT}/src/*.h ${ROOT}/src/*.cpp ${ROOT}/tests/*.h ${ROOT}/tests/*.cpp
+  ${ROOT}/benchmarks/*.h ${ROOT}/benchmarks/*.cpp ${ROOT}/examples/*.h ${ROOT}/examples/*.cpp)
+# Trees of violations for the test of this very check.
+list(FILTER files EXCLUDE REGEX "^tests/include_check/")
+if(NOT files)
+  message(FATAL_ERROR "ROOT=${ROOT}: found no C++ file")
+endif()
+
+foreach(file IN LISTS files)
+  file(STRINGS ${ROOT}/${file} head LIMIT_COUNT 2)
+  foreach(line RANGE 1)
+    list(GET spdx_lines ${line} expected)
+    list(LENGTH head length)
+    set(found "")
+    if(line LESS length)
+      list(GET head ${line} found)
+    endif()
+    if(NOT found MATCHES "^${expected}$")
+      math(EXPR number "${line} + 1")
+      violation("${file}:${number}: expected \"${expected}\", found \"${found}\"")
+    endif()
+  endforeach()
+
+  if(file MATCHES "\\.h$")
+    file(STRINGS ${ROOT}/${file} pragma REGEX "^#pragma once$")
+    if(NOT pragma)
+      violation("${file}:1: a header needs #pragma once")
+    endif()
+  endif()
+
+  if(NOT file MATCHES "^src/")
+    continue()
+  endif()
+  set(own_position -1)
+  if(file MATCHES "^src/reprise/([^/]+)/")
+    set(own_folder ${CMAKE_MATCH_1})
+    list(FIND folders ${own_folder} own_position)
+    if(own_position EQUAL -1)
+      violation("${file}:1: the folder ${own_folder} is not in the order ${folders}")
+      continue()
+    endif()
+  endif()
+  # Line numbers: file(STRINGS) tells none, so they are found again for the few lines that need one.
+  file(STRINGS ${ROOT}/${file} includes REGEX "^[ \t]*#[ \t]*include[ \t]*\"")
+  foreach(include IN LISTS includes)
+    string(REGEX REPLACE "^[^\"]*\"([^\"]*)\".*$" "\\1" included "${include}")
+    set(problem "")
+    if(included MATCHES "^reprise/([^/]+)/")
+      set(other_folder ${CMAKE_MATCH_1})
+      list(FIND folders ${other_folder} other_position)
+      if(other_position EQUAL -1)
+        set(problem "the folder ${other_folder} is not in the order ${folders}")
+      elseif(NOT own_position EQUAL -1 AND other_position GREATER own_position)
+        set(problem "${own_folder} stands above ${other_folder}, so it must not include from it")
+      endif()
+    elseif(own_position EQUAL -1)
+      # A program: it stands below the whole library, and includes its own files besides.
+      get_filename_component(own_path ${file} DIRECTORY)
+      if(NOT EXISTS ${ROOT}/${own_path}/${included})
+        set(problem "expected \"reprise/FOLDER/...\" or a file of ${own_path}")
+      endif()
+    elseif(NOT (file MATCHES "_test\\.cpp$" AND included MATCHES "^support/"))
+      set(problem "expected \"reprise/FOLDER/...\" (or, in tests, \"support/...\")")
+    endif()
+    if(problem)
+      file(READ ${ROOT}/${file} text)
+      string(FIND "${text}" "${include}" position)
+      string(SUBSTRING "${text}" 0 ${position} before)
+      string(REGEX REPLACE "[^\n]" "" before "${before}")
+      string(LENGTH "${before}" number)
+      math(EXPR number "${number} + 1")
+      violation("${file}:${number}: includes \"${included}\": ${problem}")
+    endif()
+  endforeach()
+endforeach()
+
+list(LENGTH files file_count)
+if(violation_count)
+  message(FATAL_ERROR "${violation_count} violations in ${file_count} files")
+endif()
+message(STATUS "${file_count} files keep the order of includes")
