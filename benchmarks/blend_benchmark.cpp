@@ -58,7 +58,7 @@ Pair load_pair() {
     return {"ama crane 20, jumping 60", crane->topology(), crane->read(20).positions,
             open_sequence({.path = ama / "jumping"})->read(60).positions};
   }
-  test::Shape sphere = test::sphere(5);
+  test::Shape sphere = test::sphere(6);
   for (Eigen::Index v = 0; v < sphere.positions.rows(); ++v) sphere.positions(v, 0) *= 1.5F;
   Positions target = sphere.positions;
   for (Eigen::Index v = 0; v < target.rows(); ++v) target(v, 2) += 0.3F * target(v, 0) * target(v, 0);

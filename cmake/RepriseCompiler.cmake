@@ -13,9 +13,9 @@ target_compile_options(reprise_compile_options INTERFACE
   # Contraction to fused multiply-add would make results depend on the processor's instruction set.
   -ffp-contract=off)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-  # GCC 12 reports false positives of these inside Eigen and nlohmann-json at -O2 and above.
+  # GCC 12 reports false positives of these inside Eigen (its AVX-512 products among them) and nlohmann-json.
   target_compile_options(reprise_compile_options INTERFACE
-    -Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread)
+    -Wno-uninitialized -Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread)
 endif()
 if(REPRISE_WERROR)
   target_compile_options(reprise_compile_options INTERFACE -Werror)

@@ -11,7 +11,7 @@ target_link_libraries(reprise_all INTERFACE ${modules})
 install(TARGETS ${modules} reprise_all EXPORT RepriseTargets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/reprise DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
-  FILES_MATCHING PATTERN "*.h")
+  FILES_MATCHING PATTERN "*.h" PATTERN "*_test*" EXCLUDE)
 
 get_property(programs DIRECTORY ${PROJECT_SOURCE_DIR}/src/apps/cli PROPERTY BUILDSYSTEM_TARGETS)
 foreach(program IN LISTS programs)

@@ -16,7 +16,8 @@ Shape sphere(int levels) {
   for (int level = 0; level < levels; ++level) {
     std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> middles;
     const auto middle = [&](std::int32_t a, std::int32_t b) {
-      const auto [entry, is_new] = middles.try_emplace(std::minmax(a, b), static_cast<std::int32_t>(points.size()));
+      const auto [entry, is_new] =
+          middles.try_emplace(std::minmax(a, b), static_cast<std::int32_t>(points.size()));
       if (is_new) {
         points.push_back(
             (points[static_cast<std::size_t>(a)] + points[static_cast<std::size_t>(b)]).normalized());
@@ -32,10 +33,12 @@ Shape sphere(int levels) {
     }
     triangles = std::move(finer);
   }
-  Topology topology{.vertex_count = static_cast<std::int32_t>(points.size()), .triangles = std::move(triangles)};
+  Topology topology{.vertex_count = static_cast<std::int32_t>(points.size()),
+                    .triangles = std::move(triangles)};
   Positions positions(static_cast<Eigen::Index>(points.size()), 3);
   for (std::size_t v = 0; v < points.size(); ++v) {
-    positions.row(static_cast<Eigen::Index>(v)) = (points[v] + Eigen::Vector3d(0, 1, 0)).cast<float>().transpose();
+    positions.row(static_cast<Eigen::Index>(v)) =
+        (points[v] + Eigen::Vector3d(0, 1, 0)).cast<float>().transpose();
   }
   return {std::make_shared<const Topology>(std::move(topology)), std::move(positions)};
 }
@@ -69,7 +72,8 @@ Shape body() {
   return shape;
 }
 
-MeshSequence walk(const std::string& name, std::size_t frame_count, double speed, double period, double phase) {
+MeshSequence walk(const std::string& name, std::size_t frame_count, double speed, double period,
+                  double phase) {
   static const Shape shape = body();
   MeshSequence clip(name, shape.topology, frame_count, 25.0);
   for (std::size_t f = 0; f < frame_count; ++f) {
@@ -88,7 +92,8 @@ MeshSequence walk(const std::string& name, std::size_t frame_count, double speed
 MeshSequence moved(const MeshSequence& clip, const GroundTransform& transform, const std::string& name) {
   MeshSequence result = clip;
   result.set_name(name);
-  for (std::size_t f = 0; f < clip.frame_count(); ++f) transform_positions(transform, clip.frame(f), result.frame(f));
+  for (std::size_t f = 0; f < clip.frame_count(); ++f)
+    transform_positions(transform, clip.frame(f), result.frame(f));
   return result;
 }
 

@@ -20,11 +20,12 @@ Shape sphere(int levels);
 // Open grid of (cells + 1)^2 vertices over the unit square at height 0, normals up.
 Shape sheet(int cells);
 
-// A closed, upright, elongated body of a few hundred vertices with an arm-like bump, so that its yaw is unambiguous.
+// A closed, upright, elongated body of a few hundred vertices with an arm-like bump, so that its yaw is
+// unambiguous.
 Shape body();
 
-// A motion of `body()` that walks `speed` metres per frame along +Z while swaying with a period of `period` frames,
-// starting at `phase` (frames).
+// A motion of `body()` that walks `speed` metres per frame along +Z while swaying with a period of `period`
+// frames, starting at `phase` (frames).
 MeshSequence walk(const std::string& name, std::size_t frame_count, double speed = 0.04, double period = 20.0,
                   double phase = 0.0);
 

@@ -12,10 +12,10 @@
 #include <gtest/gtest.h>
 
 // Skips the test, saying so, unless the environment variable REPRISE_DATA names the folder of real captures.
-#define REPRISE_REQUIRE_DATA()                                                                              \
-  if (reprise::test::data_folder().empty()) {                                                               \
-    GTEST_SKIP() << "needs real captures: set REPRISE_DATA to their folder";                                \
-  }                                                                                                         \
+#define REPRISE_REQUIRE_DATA()                                               \
+  if (reprise::test::data_folder().empty()) {                                \
+    GTEST_SKIP() << "needs real captures: set REPRISE_DATA to their folder"; \
+  }                                                                          \
   static_assert(true)
 
 namespace reprise::test {

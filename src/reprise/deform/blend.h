@@ -14,8 +14,8 @@ namespace reprise {
 // linearly. alpha = 0 gives back the source and alpha = 1 the target, to solver precision.
 //
 // `source`, `target`: N x 3 positions in one ground frame (align before). Rotations of a triangle between the
-// two beyond 180 degrees are taken the short way round. Throws `InvalidArgument` if shapes differ or alpha is
-// outside [0, 1].
+// two beyond 180 degrees are taken the short way round; at 180 degrees itself rounding decides per triangle.
+// `blended` may be one of the inputs. Throws `InvalidArgument` if shapes differ or alpha is outside [0, 1].
 void blend_frames(const PoissonReconstruction& poisson, const PositionsView& source,
                   const PositionsView& target, double alpha, PositionsRef blended);
 

@@ -347,7 +347,7 @@ TEST(PlyErrors, NameThePlaceAndWhatWasFound) {
   EXPECT_THAT(error("ply\nformat ascii 1.0\nelement face 1\nproperty int a\nend_header\n1\n"),
               HasSubstr("vertex_indices or vertex_index"));
   // Bad rows.
-  EXPECT_THAT(ascii("0 0 x\n1 0 0\n0 1 0\n3 0 1 2\n"), AllOf(HasSubstr("a.ply:9:"), HasSubstr("'x'")));
+  EXPECT_THAT(ascii("0 0 x\n1 0 0\n0 1 0\n3 0 1 2\n"), AllOf(HasSubstr("a.ply:10:"), HasSubstr("'x'")));
   EXPECT_THAT(ascii(vertices + "3 0 1 3\n"), HasSubstr("refers to vertex 3, but there are 3"));
   EXPECT_THAT(ascii(vertices + "3 0 1 -1\n"), AllOf(HasSubstr("face 0"), HasSubstr("found -1")));
   EXPECT_THAT(ascii(vertices + "3 0 1 1.5\n"), HasSubstr("found 1.5"));
@@ -431,7 +431,8 @@ TEST(Mdd, ARateIsStatedOnlyByEvenTimes) {
 // Inputs that fuzzing made of good files, and files that lie about their sizes.
 TEST(Corpus, EveryFileIsReadOrRefusedWithAMessage) {
   int count = 0;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(REPRISE_SOURCE_DIR "/tests/fuzz/corpus")) {
+  for (const auto& entry :
+       std::filesystem::recursive_directory_iterator(REPRISE_SOURCE_DIR "/tests/fuzz/corpus")) {
     if (!entry.is_regular_file()) continue;
     ++count;
     const std::string bytes = read_text_file(entry.path());

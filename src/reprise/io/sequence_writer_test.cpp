@@ -414,13 +414,13 @@ TEST(Gltf, QuantisedPositionsAndNormalsStayWithinTheStatedError) {
     const auto report = write_sequence(clip, folder / "a.glb", SequenceFormat::gltf, {.quantize = true});
     write_sequence(clip, folder / "b.glb", SequenceFormat::gltf);
     EXPECT_LT(static_cast<double>(fs::file_size(folder / "a.glb")),
-              0.6 * static_cast<double>(fs::file_size(folder / "b.glb")));
+              0.65 * static_cast<double>(fs::file_size(folder / "b.glb")));
     const Glb glb(folder / "a.glb");
     EXPECT_THAT(glb.document["extensionsRequired"], ElementsAre("KHR_mesh_quantization"));
     double error = 0.0;
     double smallest_cosine = 1.0;
     for (std::size_t f = 0; f < clip.frame_count(); ++f) {
-      const auto difference = glb.positions(f, clip.vertex_count()) - clip.frame(f).cast<double>();
+      const Eigen::MatrixXd difference = glb.positions(f, clip.vertex_count()) - clip.frame(f).cast<double>();
       error = std::max(error, difference.rowwise().norm().maxCoeff());
       const std::vector<double> normals = glb.at_key("NORMAL", f);
       const Positions expected = vertex_normals(*clip.topology(), std::as_const(clip).frame(f));

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <limits>
 #include <span>
-#include <unordered_map>
 
 #include <Eigen/Core>
 
@@ -17,6 +16,9 @@ namespace reprise::path_detail {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Frames after which walks are no longer followed when nothing else ends them.
+constexpr std::int64_t kMostSteps = 1'000'000'000;
 
 // Multipliers a bound is made of: eight doubles fill one cache line.
 constexpr int kLanes = 8;
@@ -203,36 +205,10 @@ class StationaryBound {
   std::vector<Lanes> table_;
 };
 
-// Where labels meet that may dominate one another: one cell for each (frames elapsed, node), or for each node
-// when time has no weight. Holds the first label of each cell.
-class Cells {
- public:
-  static constexpr std::int32_t kNone = -1;
+// A partial walk. Labels meet in cells: one for each (frames elapsed, node) when there is a table over time,
+// else one for each node.
+constexpr std::int32_t kNone = -1;
 
-  // `horizon` < 0: any number of frames.
-  Cells(const StateGraph& graph, std::int64_t horizon, bool time_matters)
-      : node_count_(graph.node_count()), time_matters_(time_matters), dense_(horizon >= 0 || !time_matters) {
-    if (dense_)
-      heads_.assign(static_cast<std::size_t>((time_matters ? horizon + 1 : 1) * node_count_), kNone);
-  }
-
-  std::int32_t& head(std::int32_t node, std::int64_t steps) {
-    const std::int64_t cell = (time_matters_ ? steps * node_count_ : 0) + node;
-    return dense_ ? heads_[static_cast<std::size_t>(cell)] : sparse_.try_emplace(cell, kNone).first->second;
-  }
-
- private:
-  std::int64_t node_count_;
-  bool time_matters_;
-  bool dense_;
-  std::vector<std::int32_t> heads_;
-  std::unordered_map<std::int64_t, std::int32_t> sparse_;
-};
-
-// A partial walk. With u = cost + w_dist distance and v = cost - w_dist distance, label A dominates B of the
-// same cell (cost_A + w_dist |distance_A - distance_B| <= cost_B) exactly if u_A <= u_B and v_A <= v_B. The
-// undominated labels of a cell are therefore a staircase, u rising and v falling, kept as a list in that
-// order.
 struct Label {
   double cost = 0.0;
   double distance = 0.0;
@@ -243,7 +219,7 @@ struct Label {
   std::int32_t node = 0;
   std::int32_t parent = -1;
   std::int32_t edge = -1;
-  std::int32_t next_in_cell = Cells::kNone;
+  std::int32_t next_in_cell = kNone;  // in no use to labels that have left their cell
 };
 
 // Labels by bound, least first; within a bucket the newest first, which dives to the end of a walk and finds
@@ -315,9 +291,10 @@ class LabelSearch {
     if (root >= best.cost - kCostTolerance) return best.cost;
     if (budget == 0) return root;
     BucketQueue queue(root, best.cost);
-    Cells cells(graph_, horizon_, targets_.time_weight > 0.0);
+    const bool timed = horizon_ < kMostSteps;
+    cells_.assign(static_cast<std::size_t>((timed ? horizon_ + 1 : 1) * graph_.node_count()), kNone);
     labels_.push_back({.bound = root, .node = graph_.start});
-    cells.head(graph_.start, 0) = 0;
+    cells_[static_cast<std::size_t>(graph_.start)] = 0;
     queue.push(root, 0);
     double forgotten = kInfinity;  // least bound of walks too long to count
     std::size_t popped = 0;
@@ -334,7 +311,7 @@ class LabelSearch {
           continue;
         }
         if (next.steps > horizon_) {
-          if (horizon_ == kMostSteps) forgotten = std::min(forgotten, label.bound);
+          if (!timed) forgotten = std::min(forgotten, label.bound);
           continue;
         }
         // A child's walks are among its parent's, so the parent's bound holds for it too.
@@ -342,7 +319,9 @@ class LabelSearch {
         if (next.bound >= best.cost - kCostTolerance) continue;
         next.u = next.cost + targets_.distance_weight * next.distance;
         next.v = next.cost - targets_.distance_weight * next.distance;
-        if (!insert(cells.head(next.node, next.steps), next, slack)) continue;
+        const std::int64_t cell = (timed ? next.steps * graph_.node_count() : 0) + next.node;
+        std::int32_t& head = cells_[static_cast<std::size_t>(cell)];
+        if (!(timed ? insert_in_staircase(head, next, slack) : insert_anywhere(head, next, slack))) continue;
         queue.push(next.bound, static_cast<std::int32_t>(labels_.size() - 1));
       }
     }
@@ -355,9 +334,6 @@ class LabelSearch {
 
   std::size_t label_count() const { return labels_.size(); }
 
-  // Frames after which walks are no longer followed when nothing else ends them.
-  static constexpr std::int64_t kMostSteps = 1'000'000'000;
-
  private:
   Label follow_edge(const Label& label, std::int32_t label_idx, std::int32_t edge_idx) const {
     const StateEdge& edge = graph_.edges[static_cast<std::size_t>(edge_idx)];
@@ -369,12 +345,16 @@ class LabelSearch {
             .edge = edge_idx};
   }
 
-  // Adds the label to its cell and to `labels_` unless it is dominated; labels it dominates leave.
-  bool insert(std::int32_t& head, Label& label, double slack) {
+  // Adds the label to its cell and to `labels_` unless another dominates it; labels it dominates leave. With
+  // u = cost + w_dist distance and v = cost - w_dist distance, label A dominates B of the same node and time
+  // (cost_A + w_dist |distance_A - distance_B| <= cost_B) exactly if u_A <= u_B and v_A <= v_B. The
+  // undominated labels of a cell are therefore a staircase, u rising and v falling, kept as a list in that
+  // order.
+  bool insert_in_staircase(std::int32_t& head, Label& label, double slack) {
     std::int32_t* link = &head;
     std::int32_t* place = &head;
     double least_v = kInfinity;
-    while (*link != Cells::kNone) {
+    while (*link != kNone) {
       Label& other = labels_[static_cast<std::size_t>(*link)];
       if (other.u > label.u + slack) break;
       least_v = other.v;
@@ -382,13 +362,35 @@ class LabelSearch {
       if (other.u < label.u) place = link;
     }
     if (least_v <= label.v + slack) return false;
-    while (*place != Cells::kNone && labels_[static_cast<std::size_t>(*place)].v >= label.v) {
+    while (*place != kNone && labels_[static_cast<std::size_t>(*place)].v >= label.v) {
       Label& other = labels_[static_cast<std::size_t>(*place)];
       other.bound = kInfinity;
       *place = other.next_in_cell;
     }
     label.next_in_cell = *place;
     *place = static_cast<std::int32_t>(labels_.size());
+    labels_.push_back(label);
+    return true;
+  }
+
+  // The same for labels of one node and any time: what follows may differ by w_time times their difference in
+  // time as well, and there is no order to keep.
+  bool insert_anywhere(std::int32_t& head, Label& label, double slack) {
+    for (std::int32_t* link = &head; *link != kNone;) {
+      Label& other = labels_[static_cast<std::size_t>(*link)];
+      const double difference =
+          targets_.distance_weight * std::abs(label.distance - other.distance) +
+          targets_.time_weight * std::abs(static_cast<double>(label.steps - other.steps));
+      if (other.cost + difference <= label.cost + slack) return false;
+      if (label.cost + difference <= other.cost) {
+        other.bound = kInfinity;
+        *link = other.next_in_cell;
+      } else {
+        link = &other.next_in_cell;
+      }
+    }
+    label.next_in_cell = head;
+    head = static_cast<std::int32_t>(labels_.size());
     labels_.push_back(label);
     return true;
   }
@@ -410,6 +412,7 @@ class LabelSearch {
   const Bound& bound_;
   std::int64_t horizon_;
   std::vector<Label> labels_;
+  std::vector<std::int32_t> cells_;  // the first label of each, or kNone
 };
 
 // The walk along `paths`, if it is better than `best`.
@@ -490,7 +493,7 @@ Walk find_cheapest_walk(const StateGraph& graph, const WalkTargets& targets, std
   }
 
   const StationaryBound bound(graph, targets);
-  LabelSearch search(graph, targets, bound, LabelSearch<StationaryBound>::kMostSteps);
+  LabelSearch search(graph, targets, bound, kMostSteps);
   search.run(best, kSlack, max_labels / 8);
   best.labels = search.label_count();
   search_and_settle(search);

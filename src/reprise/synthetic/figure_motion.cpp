@@ -197,8 +197,8 @@ std::vector<Motion::Step> Motion::steps_of(int side) const {
     Step step;
     step.begin = time_of_phase(n + offset);
     const double begin_known = std::isfinite(step.begin) ? step.begin : first_time_;
-    // Looks ahead into the stance, which must fit the speed at its end.
-    const double jog = plan_.jog(begin_known + 0.15);
+    // The stance must be short enough for the speed at its begin and later on.
+    const double jog = std::max(plan_.jog(begin_known), plan_.jog(begin_known + 0.15));
     step.end = time_of_phase(n + offset + lerp(walk_duty, jog_duty, jog));
     if (step.end == -std::numeric_limits<double>::infinity()) continue;
     if (step.begin == std::numeric_limits<double>::infinity()) break;

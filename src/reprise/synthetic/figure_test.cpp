@@ -242,7 +242,7 @@ TEST(Figure, MotionHasNoPops) {
       peak = std::max(peak, fps * fps * static_cast<double>(acceleration.maxCoeff()));
     }
     RecordProperty("peak_" + clip.name(), std::to_string(peak));
-    EXPECT_LT(peak, jogs ? 160.0 : 90.0) << clip.name();  // m/s^2; feet reach about 70 and 140
+    EXPECT_LT(peak, jogs ? 100.0 : 60.0) << clip.name();  // m/s^2; feet reach about 40 and 80
   }
 }
 
