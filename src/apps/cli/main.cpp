@@ -1,9 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The Reprise authors
 // SPDX-License-Identifier: Apache-2.0
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <exception>
+#include <string>
 #include <vector>
 
 #include <fmt/format.h>
@@ -12,6 +14,7 @@
 #include "reprise/core/error.h"
 #include "reprise/core/interrupt.h"
 #include "reprise/core/log.h"
+#include "reprise/core/text.h"
 
 namespace {
 
@@ -33,7 +36,20 @@ constexpr std::array commands = {
     Command{"evaluate", "measure the quality of a result", reprise::cli::add_evaluate},
 };
 
+// The parser only says that a command is missing; a typo deserves its name and the nearest command.
+bool is_known_command(const std::string& word) {
+  std::vector<std::string> names;
+  for (const Command& command : commands) names.emplace_back(command.name);
+  if (word.starts_with('-') || std::ranges::count(names, word) > 0) return true;
+  const std::string nearest = reprise::nearest_word(word, names);
+  fmt::print(
+      stderr, "reprise: there is no command '{}'{}\n", word,
+      nearest.empty() ? "; `reprise --help` lists them" : fmt::format("; did you mean '{}'?", nearest));
+  return false;
+}
+
 int run(int argc, char** argv) {
+  if (argc > 1 && !is_known_command(argv[1])) return reprise::cli::exit_usage;
   CLI::App app("Reprise turns 4D performance capture into a character that can perform again.", "reprise");
   app.set_version_flag("--version", REPRISE_VERSION);
   app.require_subcommand(1);
@@ -45,6 +61,7 @@ int run(int argc, char** argv) {
   std::vector<std::pair<CLI::App*, Action>> actions;
   for (const Command& command : commands) {
     CLI::App* subcommand = app.add_subcommand(command.name, command.summary);
+    subcommand->fallthrough();  // --verbose may stand after the command as well
     actions.emplace_back(subcommand, command.add(*subcommand));
   }
   try {

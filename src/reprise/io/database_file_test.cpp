@@ -82,16 +82,6 @@ const fs::path& fixture_path() {
   return path;
 }
 
-// Run by hand, once for every new format version.
-TEST(DatabaseFixture, DISABLED_WriteVersion1) {
-  ASSERT_EQ(database_format_version, 1);
-  DatabaseWriter writer(fixture_path(), fixture_database().topology());
-  const PerformanceDatabase database = fixture_database();
-  for (const MeshSequence& clip : database.clips()) writer.write_clip(clip);
-  writer.set_note("{\"made\": \"for the tests\"}");
-  writer.commit();
-}
-
 TEST(DatabaseFixture, Version1StillLoads) {
   const PerformanceDatabase expected = fixture_database();
   const PerformanceDatabase found = load_database(fixture_path());

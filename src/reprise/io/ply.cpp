@@ -185,7 +185,7 @@ class AsciiSource {
   const std::filesystem::path& path_;
 };
 
-template <std::endian order>
+template <std::endian Order>
 class BinarySource {
  public:
   BinarySource(std::string_view bytes, std::size_t start, const std::filesystem::path& path)
@@ -225,7 +225,7 @@ class BinarySource {
  private:
   template <typename T>
   T take() {
-    const T value = load<T, order>(bytes_.data() + at_);
+    const T value = load<T, Order>(bytes_.data() + at_);
     at_ += sizeof(T);
     return value;
   }
@@ -417,8 +417,8 @@ void BodyParser<Source>::parse_faces(const Element& element) {
         const std::size_t size = list_size(element, row, property);
         for (std::size_t k = 0; k < size; ++k) {
           const double index = source_.next(property.type);
-          if (!(index >= 0.0 && index < std::numeric_limits<std::int32_t>::max()) ||
-              index != std::floor(index)) {
+          const bool in_range = index >= 0.0 && index < std::numeric_limits<std::int32_t>::max();
+          if (!in_range || index != std::floor(index)) {
             fail(element, row, fmt::format("expected a vertex index, found {}", index));
           }
           corners.push_back(static_cast<std::int32_t>(index));

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
+#include <cstring>
 #include <vector>
 
 #include <fmt/format.h>
@@ -159,12 +159,12 @@ class PositionsReader : public SequenceReader {
   std::vector<Color> colors_;
 };
 
-// A PC2 or MDD file: `Header` knows where frames are, `order` how floats are stored.
-template <typename Header, std::endian order>
+// A PC2 or MDD file: `Header` knows where frames are, `Order` how floats are stored.
+template <typename Header, std::endian Order>
 class PointCacheReader : public PositionsReader {
  public:
   explicit PointCacheReader(const SequenceSource& source) : PositionsReader(source), file_(source.path) {
-    constexpr bool is_mdd = order == std::endian::big;
+    constexpr bool is_mdd = Order == std::endian::big;
     std::array<char, 32> start;
     const std::size_t available = std::min<std::size_t>(start.size(), file_.size());
     file_.read_at(0, start.data(), available);
@@ -188,12 +188,12 @@ class PointCacheReader : public PositionsReader {
   Positions read_positions(std::size_t frame_idx) const override {
     Positions positions(static_cast<Eigen::Index>(header_.vertex_count), 3);
     file_.read_at(header_.frame_offset(frame_idx), positions.data(), header_.frame_bytes());
-    if constexpr (order != std::endian::native) {
+    if constexpr (Order != std::endian::native) {
       for (Eigen::Index i = 0; i < positions.size(); ++i) {
         float& value = positions.data()[i];
         std::array<char, sizeof value> raw;
         std::memcpy(raw.data(), &value, sizeof value);
-        value = load<float, order>(raw.data());
+        value = load<float, Order>(raw.data());
       }
     }
     return positions;

@@ -421,7 +421,7 @@ TEST(Gltf, QuantisedPositionsAndNormalsStayWithinTheStatedError) {
     double smallest_cosine = 1.0;
     for (std::size_t f = 0; f < clip.frame_count(); ++f) {
       const Eigen::MatrixXd difference = glb.positions(f, clip.vertex_count()) - clip.frame(f).cast<double>();
-      error = std::max(error, difference.rowwise().norm().maxCoeff());
+      error = std::max(error, std::sqrt(difference.rowwise().squaredNorm().maxCoeff()));
       const std::vector<double> normals = glb.at_key("NORMAL", f);
       const Positions expected = vertex_normals(*clip.topology(), std::as_const(clip).frame(f));
       for (std::size_t v = 0; v < clip.vertex_count(); ++v) {

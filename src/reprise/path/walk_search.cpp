@@ -150,44 +150,32 @@ class TimedBound {
   std::vector<Lanes> table_;
 };
 
-// One row a node, whatever has elapsed: for queries in which time has no weight, or so little that a table
-// over time would have no end. Each lane is a pair (l, m) for distance and time; a negative one rewards going
+// One row a node, whatever has elapsed: for queries in which time has no weight. A negative l rewards going
 // on, so it may grow only until some loop of the graph would pay for itself.
-class StationaryBound {
+class TimelessBound {
  public:
-  StationaryBound(const StateGraph& graph, const WalkTargets& targets) : targets_(targets) {
-    const double w_d = targets.distance_weight;
-    const double w_t = targets.time_weight;
-    const double less = greatest_reward(graph, -w_d, 0.0);
-    if (w_t == 0.0) {
-      lambdas_ = {
-          0.0, w_d, w_d / 2, w_d / 4, -less * w_d, -less * w_d * 3 / 4, -less * w_d / 2, -less * w_d / 4};
-      mus_.fill(0.0);
-    } else {
-      const double less_time = greatest_reward(graph, 0.0, -w_t);
-      lambdas_ << 0.0, w_d, 0.0, w_d, -less * w_d, -less * w_d, 0.0, w_d;
-      mus_ << 0.0, 0.0, w_t, w_t, 0.0, w_t, -less_time * w_t, -less_time * w_t;
-    }
+  TimelessBound(const StateGraph& graph, const WalkTargets& targets) : target_distance_(targets.distance) {
+    const double w = targets.distance_weight;
+    const double reward = w * greatest_reward(graph, w);
+    lambdas_ << w, w / 2, w / 4, 0.0, -reward / 4, -reward / 2, -reward * 3 / 4, -reward;
     table_.resize(static_cast<std::size_t>(graph.node_count()));
     for (int lane = 0; lane < kLanes; ++lane) {
-      const ShortestPaths paths = shortest_paths(graph, edge_lengths(graph, 1.0, lambdas_[lane], mus_[lane]));
+      const ShortestPaths paths = shortest_paths(graph, edge_lengths(graph, 1.0, lambdas_[lane], 0.0));
       for (std::size_t node = 0; node < table_.size(); ++node) table_[node][lane] = paths.length[node];
     }
   }
 
-  double operator()(std::int32_t node, std::int64_t steps, double cost, double distance) const {
-    const Lanes& lanes = table_[static_cast<std::size_t>(node)];
-    const double distance_excess = distance - targets_.distance;
-    const double time_excess = static_cast<double>(steps + 1) - targets_.frames;
-    return cost + (lanes + lambdas_ * distance_excess + mus_ * time_excess).maxCoeff();
+  double operator()(std::int32_t node, std::int64_t /*steps*/, double cost, double distance) const {
+    return cost +
+           (table_[static_cast<std::size_t>(node)] + lambdas_ * (distance - target_distance_)).maxCoeff();
   }
 
  private:
-  // The greatest share r <= 1 of the multipliers (to the precision of a bisection) at which no loop pays for
-  // itself.
-  static double greatest_reward(const StateGraph& graph, double lambda, double mu) {
+  // The greatest share r <= 1 of the weight (to the precision of a bisection) that as a reward leaves every
+  // loop a cost.
+  static double greatest_reward(const StateGraph& graph, double weight) {
     const auto pays = [&](double r) {
-      return shortest_paths(graph, edge_lengths(graph, 1.0, r * lambda, r * mu)).negative_cycle;
+      return shortest_paths(graph, edge_lengths(graph, 1.0, -r * weight, 0.0)).negative_cycle;
     };
     if (!pays(1.0)) return 1.0;
     double feasible = 0.0;
@@ -199,9 +187,8 @@ class StationaryBound {
     return feasible;
   }
 
-  WalkTargets targets_;
+  double target_distance_;
   Lanes lambdas_ = Lanes::Zero();
-  Lanes mus_ = Lanes::Zero();
   std::vector<Lanes> table_;
 };
 
@@ -321,7 +308,7 @@ class LabelSearch {
         next.v = next.cost - targets_.distance_weight * next.distance;
         const std::int64_t cell = (timed ? next.steps * graph_.node_count() : 0) + next.node;
         std::int32_t& head = cells_[static_cast<std::size_t>(cell)];
-        if (!(timed ? insert_in_staircase(head, next, slack) : insert_anywhere(head, next, slack))) continue;
+        if (!insert(head, next, slack)) continue;
         queue.push(next.bound, static_cast<std::int32_t>(labels_.size() - 1));
       }
     }
@@ -346,11 +333,11 @@ class LabelSearch {
   }
 
   // Adds the label to its cell and to `labels_` unless another dominates it; labels it dominates leave. With
-  // u = cost + w_dist distance and v = cost - w_dist distance, label A dominates B of the same node and time
+  // u = cost + w_dist distance and v = cost - w_dist distance, label A dominates B of the same cell
   // (cost_A + w_dist |distance_A - distance_B| <= cost_B) exactly if u_A <= u_B and v_A <= v_B. The
   // undominated labels of a cell are therefore a staircase, u rising and v falling, kept as a list in that
   // order.
-  bool insert_in_staircase(std::int32_t& head, Label& label, double slack) {
+  bool insert(std::int32_t& head, Label& label, double slack) {
     std::int32_t* link = &head;
     std::int32_t* place = &head;
     double least_v = kInfinity;
@@ -369,28 +356,6 @@ class LabelSearch {
     }
     label.next_in_cell = *place;
     *place = static_cast<std::int32_t>(labels_.size());
-    labels_.push_back(label);
-    return true;
-  }
-
-  // The same for labels of one node and any time: what follows may differ by w_time times their difference in
-  // time as well, and there is no order to keep.
-  bool insert_anywhere(std::int32_t& head, Label& label, double slack) {
-    for (std::int32_t* link = &head; *link != kNone;) {
-      Label& other = labels_[static_cast<std::size_t>(*link)];
-      const double difference =
-          targets_.distance_weight * std::abs(label.distance - other.distance) +
-          targets_.time_weight * std::abs(static_cast<double>(label.steps - other.steps));
-      if (other.cost + difference <= label.cost + slack) return false;
-      if (label.cost + difference <= other.cost) {
-        other.bound = kInfinity;
-        *link = other.next_in_cell;
-      } else {
-        link = &other.next_in_cell;
-      }
-    }
-    label.next_in_cell = head;
-    head = static_cast<std::int32_t>(labels_.size());
     labels_.push_back(label);
     return true;
   }
@@ -415,31 +380,49 @@ class LabelSearch {
   std::vector<std::int32_t> cells_;  // the first label of each, or kNone
 };
 
-// The walk along `paths`, if it is better than `best`.
-void follow(const StateGraph& graph, const WalkTargets& targets, const ShortestPaths& paths, Walk& best) {
-  Walk walk;
+double cost_of(const StateGraph& graph, const WalkTargets& targets, const std::vector<std::int32_t>& edges) {
   double transition_cost = 0.0;
   double distance = 0.0;
   std::int64_t steps = 0;
-  for (std::int32_t node = graph.start; node != graph.end();) {
-    const std::int32_t edge_idx = paths.next[static_cast<std::size_t>(node)];
+  for (const std::int32_t edge_idx : edges) {
     const StateEdge& edge = graph.edges[static_cast<std::size_t>(edge_idx)];
-    walk.edges.push_back(edge_idx);
     transition_cost += edge.cost;
     distance += edge.distance;
     steps += edge.steps;
-    node = edge.target;
   }
-  walk.cost = cost_of(targets, transition_cost, distance, steps);
-  if (walk.cost < best.cost) best = walk;
+  return cost_of(targets, transition_cost, distance, steps);
 }
 
-// A table of more cells than this (256 MB) is not made: the stationary bound takes over.
+// The walk along `paths`, if it is better than `best`.
+void follow(const StateGraph& graph, const WalkTargets& targets, const ShortestPaths& paths, Walk& best) {
+  std::vector<std::int32_t> edges;
+  for (std::int32_t node = graph.start; node != graph.end();) {
+    edges.push_back(paths.next[static_cast<std::size_t>(node)]);
+    node = graph.edges[static_cast<std::size_t>(edges.back())].target;
+  }
+  const double cost = cost_of(graph, targets, edges);
+  if (cost < best.cost) best = {.edges = std::move(edges), .cost = cost};
+}
+
+// A table of more cells than this (256 MB) is not made.
 constexpr double kMostTableCells = 4e6;
 
 // How much worse a label may be and still displace another when only a good walk is wanted, not a
 // certificate.
 constexpr double kSlack = 0.05;
+
+// The search proper; when its labels run out before the proof, a last fifth of them goes to finding a better
+// walk.
+template <typename Bound>
+void search_and_settle(LabelSearch<Bound>& search, std::size_t max_labels, Walk& best) {
+  const std::size_t reserved = best.labels + max_labels / 5;
+  best.lower_bound = search.run(best, 0.0, max_labels - std::min(max_labels, reserved));
+  best.labels += search.label_count();
+  if (best.lower_bound == best.cost) return;
+  search.run(best, kSlack, max_labels / 5);
+  best.labels += search.label_count();
+  if (best.lower_bound > best.cost - kCostTolerance) best.lower_bound = best.cost;
+}
 
 }  // namespace
 
@@ -456,22 +439,8 @@ Walk find_cheapest_walk(const StateGraph& graph, const WalkTargets& targets, std
   follow(graph, targets, briefest, best);
   follow(graph, targets, shortest_paths(graph, edge_lengths(graph, 1.0, w_d, w_t)), best);
 
-  // The search proper; when its labels run out before the proof, the last fifth of them goes to a better
-  // walk.
-  const auto search_and_settle = [&](auto& search) {
-    const std::size_t already = best.labels;
-    const std::size_t reserved = already + max_labels / 5;
-    best.lower_bound = search.run(best, 0.0, max_labels - std::min(max_labels, reserved));
-    best.labels = already + search.label_count();
-    if (best.lower_bound == best.cost) return;
-    const double lower_bound = best.lower_bound;
-    search.run(best, kSlack, max_labels / 5);
-    best.labels += search.label_count();
-    best.lower_bound = lower_bound < best.cost - kCostTolerance ? lower_bound : best.cost;
-  };
-
-  // No walk longer than this costs less than `best`: its time alone costs too much. Its rounding is covered
-  // by one frame more.
+  // No walk longer than this costs less than `best`: its time alone costs too much. One frame more than that,
+  // to cover the rounding.
   const auto longest = [&] {
     return std::max(
         0.0, targets.frames + (best.cost - cheapest.length[static_cast<std::size_t>(graph.start)]) / w_t);
@@ -488,16 +457,29 @@ Walk find_cheapest_walk(const StateGraph& graph, const WalkTargets& targets, std
     search.dive(best);
     horizon = longest();
     if (horizon >= static_cast<double>(steps) + 1.0) continue;
-    search_and_settle(search);
+    search_and_settle(search, max_labels, best);
     return best;
   }
 
-  const StationaryBound bound(graph, targets);
-  LabelSearch search(graph, targets, bound, kMostSteps);
-  search.run(best, kSlack, max_labels / 8);
-  best.labels = search.label_count();
-  search_and_settle(search);
-  return best;
+  // Time has no weight, or so little that walks of any length compete. Then the optimum without a weight on
+  // time is a lower bound, and its walk is at most the cost of its time away from it.
+  WalkTargets timeless = targets;
+  timeless.time_weight = 0.0;
+  Walk walk = best;
+  walk.cost = cost_of(graph, timeless, walk.edges);
+  const TimelessBound bound(graph, timeless);
+  LabelSearch search(graph, timeless, bound, kMostSteps);
+  search.run(walk, kSlack, max_labels / 8);
+  walk.labels = search.label_count();
+  search_and_settle(search, max_labels, walk);
+  if (w_t == 0.0) return walk;
+  walk.cost = cost_of(graph, targets, walk.edges);
+  if (best.cost < walk.cost) {
+    walk.cost = best.cost;
+    walk.edges = best.edges;
+  }
+  if (walk.lower_bound > walk.cost - kCostTolerance) walk.lower_bound = walk.cost;
+  return walk;
 }
 
 }  // namespace reprise::path_detail

@@ -153,12 +153,12 @@ CameraPath::CameraPath(const MeshSequence& sequence, const RenderOptions& option
   }
   middle_ = 0.5 * (low + high);
 
-  // A low percentile of the frames' lowest points: a few bad frames do not sink the floor, and flight does
+  // The lower quartile of the frames' lowest points: a few bad frames do not sink the floor, and flight does
   // not lift it.
   std::erase_if(lowest, [](double y) { return !std::isfinite(y); });
-  const auto percentile = lowest.begin() + static_cast<std::ptrdiff_t>(lowest.size() / 10);
-  std::nth_element(lowest.begin(), percentile, lowest.end());
-  ground_height_ = *percentile;
+  const auto quartile = lowest.begin() + static_cast<std::ptrdiff_t>(lowest.size() / 4);
+  std::nth_element(lowest.begin(), quartile, lowest.end());
+  ground_height_ = *quartile;
 
   light_ = look_from(yaw_ + light_yaw, light_pitch);
   const double k_x = fill_width * tan_half_width_;

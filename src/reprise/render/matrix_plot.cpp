@@ -137,7 +137,7 @@ std::string axis_script(const DissimilarityMatrix& matrix) {
         fmt::format("set label {} at {},graph 0 offset character 0,-2.1 {} font ',12' tc rgb '#202020'\n",
                     name, middle, names_fit ? "center" : "right rotate by 38");
     script += fmt::format(
-        "set label {} at graph 0,first {} right offset character -4.2,0 font ',12' tc rgb '#202020'\n", name,
+        "set label {} at graph 0,first {} right offset character -5.2,0 font ',12' tc rgb '#202020'\n", name,
         middle);
   }
   script += fmt::format("set xtics out nomirror scale 0.5 font ',9' offset 0,0.35 ({0})\n", ticks);

@@ -47,7 +47,7 @@ Eigen::Vector3d rest_position(int joint);
 // Direction of the resting arm from shoulder to hand, unit length.
 Eigen::Vector3d rest_arm_direction(int side);
 
-// Points of the sole about which a foot rolls, and the middle between the feet's ankles is x = 0.
+// Rear edge of the sole, about which the foot rolls when it strikes.
 Eigen::Vector3d rest_heel(int side);
 
 // 0 below `low`, 1 above `high`, smooth between.
