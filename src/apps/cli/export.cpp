@@ -37,7 +37,7 @@ Action add_export(CLI::App& command) {
   command.add_flag("--quantize", arguments->options.quantize, "glb: 16-bit positions, about half the size");
   command.add_flag("--interpolate", arguments->options.interpolate, "glb: blend linearly between frames");
   command.add_option("--max-morph-targets", arguments->options.max_morph_targets,
-                     "glb: longer clips keep every k-th frame, as viewers hold no more");
+                     "glb: longer clips keep the frames that say most, as viewers hold no more");
   return [arguments] {
     arguments->options.binary_ply = !arguments->ascii;
     arguments->options.write_topology = !arguments->no_topology;

@@ -19,6 +19,7 @@
 #include "reprise/core/error.h"
 #include "reprise/core/interrupt.h"
 #include "reprise/core/parallel.h"
+#include "reprise/io/frame_thinning.h"
 #include "reprise/io/frame_writers.h"
 #include "reprise/io/output_file.h"
 #include "reprise/io/uv_seams.h"
@@ -26,16 +27,6 @@
 namespace reprise {
 
 using nlohmann::json;
-
-std::vector<std::size_t> kept_frames(std::size_t frame_count, int max_targets) {
-  std::vector<std::size_t> frames;
-  if (frame_count == 0) return frames;
-  const auto targets = static_cast<std::size_t>(std::max(max_targets, 1));
-  const std::size_t step = std::max<std::size_t>((frame_count - 1 + targets - 1) / targets, 1);
-  for (std::size_t f = 0; f < frame_count; f += step) frames.push_back(f);
-  if (frames.back() != frame_count - 1) frames.push_back(frame_count - 1);
-  return frames;
-}
 
 namespace {
 
@@ -138,7 +129,9 @@ class GltfWriter {
         options_(options),
         vertex_count_(sequence.vertex_count()),
         cut_(cut_at_seams(*sequence.topology())),
-        kept_(kept_frames(sequence.frame_count(), options.max_morph_targets - (options.quantize ? 1 : 0))) {
+        // The first frame is the mesh itself; a quantised clip may need a target for it too.
+        kept_(thin_frames(sequence,
+                          static_cast<std::size_t>(options.max_morph_targets) + (options.quantize ? 0 : 1))) {
     check();
     is_linear_ = options.interpolate || kept_.size() < sequence.frame_count();
     normals_.resize(kept_.size());

@@ -5,17 +5,11 @@
 
 #pragma once
 
-#include <cstddef>
 #include <filesystem>
-#include <vector>
 
 #include "reprise/io/sequence_writer.h"
 
 namespace reprise {
-
-// Frames kept when at most `max_targets` + 1 of `frame_count` fit (the first frame is the mesh itself): every
-// k-th from 0 with the smallest k, and the last, so that the motion keeps its length.
-std::vector<std::size_t> kept_frames(std::size_t frame_count, int max_targets);
 
 // Writes `sequence` to the .glb file `target`, whole or not at all, and completes `report`.
 //

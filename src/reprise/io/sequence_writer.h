@@ -23,7 +23,7 @@ struct SequenceWriteOptions {
       false;  // glTF: 16-bit positions and 8-bit normals (KHR_mesh_quantization), about half the size
   bool interpolate = false;  // glTF: LINEAR weights between frames rather than STEP
   int max_morph_targets =
-      256;  // glTF: the texture layers every WebGL 2 viewer has; longer clips keep every k-th frame
+      256;  // glTF: the texture layers every WebGL 2 viewer has; longer clips keep the frames that say most
 };
 
 // What was written, for the user.

@@ -74,6 +74,9 @@ struct Sizes {
   int max_transitions = 5;
   int max_half_window = 2;
   int max_keyframes = 3;
+  // Transitions leave and arrive at multiples of this, so that walks of as many frames but other distances
+  // meet.
+  int grid = 1;
 };
 
 Case random_case(const Sizes& sizes, std::mt19937& random) {
@@ -100,9 +103,9 @@ Case random_case(const Sizes& sizes, std::mt19937& random) {
   for (int count = integer(sizes.min_transitions, sizes.max_transitions); count > 0; --count) {
     const auto source = static_cast<std::size_t>(integer(0, sizes.clips - 1));
     const auto target = static_cast<std::size_t>(integer(0, sizes.clips - 1));
-    const int L = integer(1, sizes.max_half_window);
-    const int m = integer(L, last_frame(source) - L);
-    const int n = integer(L, last_frame(target) - L);
+    const int L = sizes.grid == 1 ? integer(1, sizes.max_half_window) : sizes.max_half_window;
+    const int m = integer(0, (last_frame(source) - 2 * L) / sizes.grid) * sizes.grid + L;
+    const int n = integer(2 * L / sizes.grid + 1, last_frame(target) / sizes.grid) * sizes.grid - L;
     const double cost = free_transitions && integer(0, 1) == 0 ? 0.0 : real(0.05, 0.6);
     result.transitions.push_back(make_transition(result.trajectories, source, m, target, n, L, cost));
     result.transitions.back().source_from_target.yaw = real(-3.0, 3.0);
@@ -299,6 +302,35 @@ TEST(KeyframeOptimizer, EqualsEnumerationOnSmallGraphs) {
   EXPECT_GT(looped, 100);
 }
 
+// Long targets on graphs whose walks often meet after as many frames: what a careless search would drop by
+// mistake.
+TEST(KeyframeOptimizer, EqualsEnumerationWhereManyWalksMeet) {
+  std::mt19937 random(7);
+  std::size_t labels = 0;
+  for (int solved = 0; solved < 150;) {
+    SCOPED_TRACE(solved);
+    Case query_case = random_case({.clips = 2,
+                                   .min_frames = 16,
+                                   .max_frames = 24,
+                                   .min_transitions = 7,
+                                   .max_transitions = 9,
+                                   .max_half_window = 2,
+                                   .max_keyframes = 3,
+                                   .grid = 4},
+                                  random);
+    query_case.query.distance = std::uniform_real_distribution<double>(1.0, 6.0)(random);
+    query_case.query.time = std::uniform_real_distribution<double>(0.0, 3.0)(random);
+    const auto path = query_case.solve();
+    if (!path || path->segments.size() < 4) continue;
+    ++solved;
+    labels += path->labels;
+    expect_valid(query_case, *path);
+    EXPECT_EQ(path->gap(), 0.0);
+    EXPECT_NEAR(Enumeration(query_case, path->cost + 1e-9, 1000).best(), path->cost, 1e-8);
+  }
+  EXPECT_GT(labels, 5000u);
+}
+
 TEST(KeyframeOptimizer, EqualsEnumerationWhenTimeHasNoWeight) {
   std::mt19937 random(2);
   int solved = 0;
@@ -331,8 +363,9 @@ TEST(KeyframeOptimizer, EqualsTheIntegerProgram) {
                                    .max_frames = 30,
                                    .min_transitions = 4,
                                    .max_transitions = 8,
-                                   .max_half_window = 5,
-                                   .max_keyframes = 3},
+                                   .max_half_window = i % 2 == 0 ? 5 : 2,
+                                   .max_keyframes = 3,
+                                   .grid = i % 2 == 0 ? 1 : 4},
                                   random);
     query_case.query.distance = std::uniform_real_distribution<double>(0.0, 4.0)(random);
     query_case.query.time = std::uniform_real_distribution<double>(0.0, 5.0)(random);
