@@ -15,7 +15,7 @@ target_compile_options(reprise_compile_options INTERFACE
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # GCC 12 reports false positives of these inside Eigen (its AVX-512 products among them) and nlohmann-json.
   target_compile_options(reprise_compile_options INTERFACE
-    -Wno-uninitialized -Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread)
+    -Wno-restrict -Wno-uninitialized -Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread)
 endif()
 if(REPRISE_WERROR)
   target_compile_options(reprise_compile_options INTERFACE -Werror)

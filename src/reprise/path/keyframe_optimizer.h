@@ -17,7 +17,9 @@ class PathMetrics {
  public:
   // `trajectories`: for each clip its ground trajectory, (x, z) in metres per frame. `transitions`: those in
   // force. Distances inside a blend are those of the blended trajectory (1 - alpha) c_s(m + k) + alpha
-  // source_from_target c_t(n + k), which is what synthesis plays.
+  // source_from_target c_t(n + k), which is what synthesis plays. Throws `InvalidArgument` for a transition
+  // between clips that do not exist, whose window leaves its clip or whose cost is negative or not finite,
+  // and for a rate that is not positive.
   PathMetrics(std::vector<std::vector<Eigen::Vector2d>> trajectories, std::vector<Transition> transitions,
               BlendProfile profile, double frames_per_second);
 
@@ -43,14 +45,20 @@ class PathMetrics {
 // The path that minimises C(P) = C_tran + w_dist |dist(P) - d_V| + w_time |time(P) - t_V| (Eq. 7) over all
 // walks on the graph that show the key-frames in order, loops any number of times, with a certificate.
 //
-// Method: best-first search over labels (transition taken, key-frames shown, frames elapsed, distance, cost).
-// A label is dropped if another with the same first three has cost lower by at least w_dist times their
-// difference in distance: whatever follows, it cannot do worse. The bound on what follows comes from tables
-// of the least transition cost and of the reachable distances for every number of frames still to play. A
-// consecutive pair of equal key-frames asks for a loop: a key-frame must be shown strictly later than the one
-// before it.
+// Method: best-first search over labels (decision frame, key-frames shown, frames elapsed, distance, cost). A
+// label is dropped if another with the same first three has cost lower by at least w_dist times their
+// difference in distance: whatever follows, it cannot do worse. What follows is bounded by tables, over
+// frames elapsed, of the least transition cost plus multiplier times distance, for several multipliers
+// between -w_dist and w_dist. A consecutive pair of equal key-frames asks for a loop: a key-frame must be
+// shown strictly later than the one before it.
 //
-// Throws `InvalidArgument` for fewer than two key-frames, a frame out of range, a negative target or weight.
+// Costs that differ by less than 1e-9 count as equal; then the gap is exactly 0. With w_time = 0 time is
+// ignored; with a w_time > 0 so small that walks of any length compete (tables of over 4 million cells) the
+// path is the optimum for w_time = 0, and its gap says what that may have lost. One thread; the same query
+// gives the same path.
+//
+// Throws `InvalidArgument` for fewer than two key-frames, a frame out of range, a target or weight that is
+// negative or not finite, or names that are not one a clip; `Cancelled` if the user asks to stop.
 tl::expected<MotionPath, NoPath> find_keyframe_path(const PathMetrics& metrics, const KeyframeQuery& query,
                                                     const KeyframeOptions& options,
                                                     const std::vector<std::string>& clip_names);
