@@ -59,7 +59,7 @@ class KeyframeProgram {
             (edges_[i].source == node ? 1.0 : 0.0) - (edges_[i].target == node ? 1.0 : 0.0);
         if (balance != 0.0) row.add(static_cast<int>(i) + 1, balance);
       }
-      const double supply = node == kSource ? 1.0 : node == kSink ? -1.0 : 0.0;
+      const double supply = node == source_node ? 1.0 : node == sink_node ? -1.0 : 0.0;
       add_row(row, GLP_FX, supply);
     }
     for (const double sign : {1.0, -1.0}) {
@@ -104,8 +104,8 @@ class KeyframeProgram {
   int cut_count() const { return cut_count_; }
 
  private:
-  static constexpr int kSource = 0;
-  static constexpr int kSink = 1;
+  static constexpr int source_node = 0;
+  static constexpr int sink_node = 1;
 
   struct Edge {
     int source = 0;
@@ -152,8 +152,8 @@ class KeyframeProgram {
       const int last_frame = static_cast<int>(keyframes.back().frame_idx);
       if (keyframes.back().clip_idx == clip_idx && last_frame >= first_new &&
           shown_after(shown, clip_idx, first_new, last_frame - 1) + 1 == keyframes.size()) {
-        edges_.push_back(
-            {node, kSink, last_frame - arrived, metrics_.clip_distance(clip_idx, arrived, last_frame), 0.0});
+        edges_.push_back({node, sink_node, last_frame - arrived,
+                          metrics_.clip_distance(clip_idx, arrived, last_frame), 0.0});
       }
       for (std::size_t i = 0; i < metrics_.transitions().size(); ++i) {
         const Transition& transition = metrics_.transitions()[i];
@@ -166,7 +166,7 @@ class KeyframeProgram {
       }
     };
     const int first_frame = static_cast<int>(keyframes.front().frame_idx);
-    expand(kSource, 1, keyframes.front().clip_idx, first_frame, first_frame + 1);
+    expand(source_node, 1, keyframes.front().clip_idx, first_frame, first_frame + 1);
     while (!open.empty()) {
       const auto [shown, transition_idx] = open.back();
       open.pop_back();
@@ -183,7 +183,7 @@ class KeyframeProgram {
     for (std::size_t i = 0; i < edges_.size(); ++i) {
       used[i] = glp_mip_col_val(problem_, static_cast<int>(i) + 1) > 0.5;
     }
-    std::set<int> reached{kSource};
+    std::set<int> reached{source_node};
     for (bool changed = true; changed;) {
       changed = false;
       for (std::size_t i = 0; i < edges_.size(); ++i) {

@@ -123,7 +123,7 @@ MotionPath path_from_walk(const PathMetrics& metrics, const KeyframeQuery& query
   path.time = path.frame_count / metrics.frames_per_second();
   path.cost = path.transition_cost + options.distance_weight * std::abs(path.distance - query.distance) +
               options.time_weight * std::abs(path.frame_count - query.time * metrics.frames_per_second());
-  const bool proved = walk.lower_bound >= walk.cost - path_detail::kCostTolerance;
+  const bool proved = walk.lower_bound >= walk.cost - path_detail::cost_tolerance;
   path.lower_bound = proved ? path.cost : std::min(walk.lower_bound, path.cost);
   path.labels = walk.labels;
   return path;

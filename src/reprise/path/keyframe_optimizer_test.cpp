@@ -25,7 +25,7 @@ using ::testing::Not;
 
 using Trajectory = std::vector<Eigen::Vector2d>;
 
-constexpr double kFps = 25.0;
+constexpr double fps = 25.0;
 
 // Straight ahead at a constant speed, metres per frame.
 Trajectory straight(int frame_count, double speed) {
@@ -40,7 +40,7 @@ struct Case {
   KeyframeQuery query;
   KeyframeOptions options;
 
-  PathMetrics metrics() const { return {trajectories, transitions, BlendProfile::smooth, kFps}; }
+  PathMetrics metrics() const { return {trajectories, transitions, BlendProfile::smooth, fps}; }
   std::vector<std::string> names() const {
     std::vector<std::string> names;
     for (std::size_t i = 0; i < trajectories.size(); ++i) names.push_back(fmt::format("clip{}", i));
@@ -49,7 +49,7 @@ struct Case {
   tl::expected<MotionPath, NoPath> solve() const {
     return find_keyframe_path(metrics(), query, options, names());
   }
-  double target_frames() const { return query.time * kFps; }
+  double target_frames() const { return query.time * fps; }
 };
 
 Transition make_transition(const std::vector<Trajectory>& trajectories, std::size_t source, int m,
@@ -195,7 +195,7 @@ void expect_valid(const Case& query_case, const MotionPath& path) {
   const Replay played = replay(query_case, path);
   EXPECT_TRUE(shows_in_order(played.pure_frames, query_case.query.keyframes));
   EXPECT_EQ(path.frame_count, played.frame_count);
-  EXPECT_NEAR(path.time, played.frame_count / kFps, 1e-12);
+  EXPECT_NEAR(path.time, played.frame_count / fps, 1e-12);
   EXPECT_NEAR(path.distance, played.distance, 1e-9);
   EXPECT_NEAR(path.transition_cost, played.transition_cost, 1e-9);
   EXPECT_NEAR(path.cost, cost_of(query_case, played.transition_cost, played.distance, played.frame_count),
@@ -282,7 +282,7 @@ TEST(KeyframeOptimizer, EqualsEnumerationOnSmallGraphs) {
     sizes.max_keyframes = 2 + i % 3;
     Case query_case = random_case(sizes, random);
     query_case.query.distance = std::uniform_real_distribution<double>(0.0, 1.5)(random);
-    query_case.query.time = std::uniform_int_distribution<int>(0, 45)(random) / kFps;
+    query_case.query.time = std::uniform_int_distribution<int>(0, 45)(random) / fps;
     query_case.options.time_weight = i % 4 == 0 ? 0.3 : 0.1;
     query_case.options.distance_weight = i % 7 == 0 ? 0.0 : 1.0 / 0.3;
     const auto path = query_case.solve();
@@ -671,7 +671,7 @@ TEST(KeyframeOptimizer, BadArgumentsAreNamed) {
 TEST(PathMetrics, ABlendOfTwoEqualWalksCoversTheSameGround) {
   const std::vector<Trajectory> trajectories{straight(40, 0.04)};
   const PathMetrics metrics(trajectories, {make_transition(trajectories, 0, 30, 0, 10, 6, 0.1)},
-                            BlendProfile::smooth, kFps);
+                            BlendProfile::smooth, fps);
   EXPECT_NEAR(metrics.blend_distance(0), 12 * 0.04, 1e-12);
   EXPECT_NEAR(metrics.clip_distance(0, 5, 25), 20 * 0.04, 1e-12);
 }

@@ -36,7 +36,7 @@ std::vector<std::vector<int>> decision_frames(const PathMetrics& metrics,
 
 // The nearest multiple of 2^-42 (2e-13). Sums of such numbers are exact up to 2048, so that walks that take
 // the same edges in another order have equal sums, and all but one of them are dropped. The error, 1e-13 an
-// edge, is far below `kCostTolerance`.
+// edge, is far below `cost_tolerance`.
 double rounded(double value) {
   return std::ldexp(std::nearbyint(std::ldexp(value, 42)), -42);
 }
@@ -46,7 +46,7 @@ struct RawEdge {
   StateEdge edge;
 };
 
-constexpr std::int32_t kEndOfPath = -1;
+constexpr std::int32_t end_of_path = -1;
 
 // Removes the nodes from which the end cannot be reached and numbers the others, the end last.
 StateGraph pruned(std::size_t node_count, const std::vector<RawEdge>& raw) {
@@ -59,7 +59,7 @@ StateGraph pruned(std::size_t node_count, const std::vector<RawEdge>& raw) {
     open.push_back(node);
   };
   for (const RawEdge& edge : raw) {
-    if (edge.edge.target == kEndOfPath) {
+    if (edge.edge.target == end_of_path) {
       mark(edge.source);
     } else {
       sources[static_cast<std::size_t>(edge.edge.target)].push_back(edge.source);
@@ -84,7 +84,7 @@ StateGraph pruned(std::size_t node_count, const std::vector<RawEdge>& raw) {
     if (leads_to_end[i]) graph.first_edge.push_back(static_cast<std::int32_t>(graph.edges.size()));
     for (; next < raw.size() && raw[next].source == static_cast<std::int32_t>(i); ++next) {
       StateEdge edge = raw[next].edge;
-      edge.target = edge.target == kEndOfPath ? kept : new_from_old[static_cast<std::size_t>(edge.target)];
+      edge.target = edge.target == end_of_path ? kept : new_from_old[static_cast<std::size_t>(edge.target)];
       if (leads_to_end[i] && edge.target >= 0) graph.edges.push_back(edge);
     }
   }
@@ -141,7 +141,7 @@ StateGraph build_state_graph(const PathMetrics& metrics, const std::vector<Frame
     const FrameId due = keyframes[std::min(target.shown, last)];
     if (due.clip_idx == clip_idx && frame_of(due) == target_frame) {
       if (target.shown == last) {
-        edge.target = kEndOfPath;
+        edge.target = end_of_path;
         raw.push_back({source, edge});
       } else {
         ++target.shown;
@@ -173,16 +173,16 @@ StateGraph build_state_graph(const PathMetrics& metrics, const std::vector<Frame
 
 namespace {
 
-constexpr int kNever = std::numeric_limits<int>::max();
+constexpr int never = std::numeric_limits<int>::max();
 
 // For each clip the earliest frame at which some transition enters it, once `from` has been shown.
 std::vector<int> earliest_entries(const PathMetrics& metrics, const FrameId& from) {
-  std::vector<int> entry(metrics.clip_count(), kNever);
+  std::vector<int> entry(metrics.clip_count(), never);
   for (bool changed = true; changed;) {
     changed = false;
     for (const Transition& transition : metrics.transitions()) {
       const int earliest = std::min(entry[transition.source_clip],
-                                    transition.source_clip == from.clip_idx ? frame_of(from) : kNever);
+                                    transition.source_clip == from.clip_idx ? frame_of(from) : never);
       if (transition.leave() >= earliest && transition.arrive() < entry[transition.target_clip]) {
         entry[transition.target_clip] = transition.arrive();
         changed = true;
@@ -221,11 +221,11 @@ std::string missing_departure(const PathMetrics& metrics, const FrameId& from, c
 }
 
 std::string missing_arrival(const PathMetrics& metrics, const FrameId& to, const std::string& name) {
-  int earliest = kNever;
+  int earliest = never;
   for (const Transition& transition : metrics.transitions()) {
     if (transition.target_clip == to.clip_idx) earliest = std::min(earliest, transition.arrive());
   }
-  if (earliest == kNever) return fmt::format("; no transition arrives in '{}'", name);
+  if (earliest == never) return fmt::format("; no transition arrives in '{}'", name);
   if (earliest <= frame_of(to)) return {};
   return fmt::format(
       "; no transition arrives in '{}' at or before frame {} (the first one arrives at frame {})", name,
@@ -248,7 +248,7 @@ std::string explain_no_path(const PathMetrics& metrics, const std::vector<FrameI
     for (std::size_t clip_idx = 0; clip_idx < metrics.clip_count(); ++clip_idx) {
       const int earliest =
           clip_idx == from.clip_idx ? std::min(entry[clip_idx], frame_of(from)) : entry[clip_idx];
-      if (earliest != kNever)
+      if (earliest != never)
         reached.push_back(fmt::format("'{}' from frame {}", clip_names[clip_idx], earliest));
       if (departure[clip_idx] >= 0) {
         leading.push_back(fmt::format("'{}' up to frame {}", clip_names[clip_idx], departure[clip_idx]));

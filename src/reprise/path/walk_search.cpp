@@ -15,14 +15,14 @@
 namespace reprise::path_detail {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // Frames after which walks are no longer followed when nothing else ends them.
-constexpr std::int64_t kMostSteps = 1'000'000'000;
+constexpr std::int64_t most_steps = 1'000'000'000;
 
 // Multipliers a bound is made of: eight doubles fill one cache line.
-constexpr int kLanes = 8;
-using Lanes = Eigen::Array<double, kLanes, 1>;
+constexpr int lane_count = 8;
+using Lanes = Eigen::Array<double, lane_count, 1>;
 
 double cost_of(const WalkTargets& targets, double transition_cost, double distance, std::int64_t steps) {
   return transition_cost + targets.distance_weight * std::abs(distance - targets.distance) +
@@ -38,7 +38,7 @@ struct ShortestPaths {
 
 ShortestPaths shortest_paths(const StateGraph& graph, std::span<const double> lengths) {
   const auto count = static_cast<std::size_t>(graph.node_count());
-  ShortestPaths paths{std::vector<double>(count, kInfinity), std::vector<std::int32_t>(count, -1), false};
+  ShortestPaths paths{std::vector<double>(count, infinity), std::vector<std::int32_t>(count, -1), false};
   paths.length[static_cast<std::size_t>(graph.end())] = 0.0;
   bool changed = true;
   for (std::size_t round = 0; changed && round <= count; ++round) {
@@ -90,17 +90,17 @@ class TimedBound {
     const double w = targets.distance_weight;
     double low = -w;
     double high = w;
-    for (int i = 0; i < kZooms && w > 0.0; ++i) {
+    for (int i = 0; i < zoom_count && w > 0.0; ++i) {
       lambdas_ = Lanes::LinSpaced(low, high);
       fill();
       const Lanes& root = table_[static_cast<std::size_t>(graph.start)];
       int peak = 0;
-      for (int lane = 1; lane < kLanes; ++lane) {
+      for (int lane = 1; lane < lane_count; ++lane) {
         if (root[lane] - lambdas_[lane] * targets.distance > root[peak] - lambdas_[peak] * targets.distance)
           peak = lane;
       }
       low = lambdas_[peak == 0 ? 0 : peak - 1];
-      high = lambdas_[std::min(peak + 1, kLanes - 1)];
+      high = lambdas_[std::min(peak + 1, lane_count - 1)];
     }
     const double peak = 0.5 * (low + high);
     lambdas_ << -w, peak - 0.12 * w, peak - 0.03 * w, peak, peak + 0.03 * w, peak + 0.12 * w, w, 0.0;
@@ -116,7 +116,7 @@ class TimedBound {
   }
 
  private:
-  static constexpr int kZooms = 4;
+  static constexpr int zoom_count = 4;
 
   void fill() {
     std::vector<Lanes> edge_lanes(graph_.edges.size());
@@ -128,7 +128,7 @@ class TimedBound {
       row[node_count_ - 1].setConstant(targets_.time_weight *
                                        std::abs(static_cast<double>(steps + 1) - targets_.frames));
       for (std::size_t node = 0; node + 1 < node_count_; ++node) {
-        Lanes best = Lanes::Constant(kInfinity);
+        Lanes best = Lanes::Constant(infinity);
         for (auto i = static_cast<std::size_t>(graph_.first_edge[node]);
              i < static_cast<std::size_t>(graph_.first_edge[node + 1]); ++i) {
           const StateEdge& edge = graph_.edges[i];
@@ -159,7 +159,7 @@ class TimelessBound {
     const double reward = w * greatest_reward(graph, w);
     lambdas_ << w, w / 2, w / 4, 0.0, -reward / 4, -reward / 2, -reward * 3 / 4, -reward;
     table_.resize(static_cast<std::size_t>(graph.node_count()));
-    for (int lane = 0; lane < kLanes; ++lane) {
+    for (int lane = 0; lane < lane_count; ++lane) {
       const ShortestPaths paths = shortest_paths(graph, edge_lengths(graph, 1.0, lambdas_[lane], 0.0));
       for (std::size_t node = 0; node < table_.size(); ++node) table_[node][lane] = paths.length[node];
     }
@@ -194,7 +194,7 @@ class TimelessBound {
 
 // A partial walk. Labels meet in cells: one for each (frames elapsed, node) when there is a table over time,
 // else one for each node.
-constexpr std::int32_t kNone = -1;
+constexpr std::int32_t no_label = -1;
 
 struct Label {
   double cost = 0.0;
@@ -206,7 +206,7 @@ struct Label {
   std::int32_t node = 0;
   std::int32_t parent = -1;
   std::int32_t edge = -1;
-  std::int32_t next_in_cell = kNone;  // in no use to labels that have left their cell
+  std::int32_t next_in_cell = no_label;  // in no use to labels that have left their cell
 };
 
 // Labels by bound, least first; within a bucket the newest first, which dives to the end of a walk and finds
@@ -215,11 +215,11 @@ class BucketQueue {
  public:
   BucketQueue(double least, double greatest)
       : least_(least),
-        scale_(static_cast<double>(kBuckets) / std::max(greatest - least, 1e-300)),
-        buckets_(kBuckets) {}
+        scale_(static_cast<double>(bucket_count) / std::max(greatest - least, 1e-300)),
+        buckets_(bucket_count) {}
 
   void push(double bound, std::int32_t label) {
-    const double bucket = std::clamp((bound - least_) * scale_, 0.0, static_cast<double>(kBuckets - 1));
+    const double bucket = std::clamp((bound - least_) * scale_, 0.0, static_cast<double>(bucket_count - 1));
     const auto bucket_idx = static_cast<std::size_t>(bucket);
     current_ = std::min(current_, bucket_idx);
     buckets_[bucket_idx].push_back(label);
@@ -227,15 +227,15 @@ class BucketQueue {
 
   // -1 when empty.
   std::int32_t pop() {
-    while (current_ < kBuckets && buckets_[current_].empty()) ++current_;
-    if (current_ == kBuckets) return -1;
+    while (current_ < bucket_count && buckets_[current_].empty()) ++current_;
+    if (current_ == bucket_count) return -1;
     const std::int32_t label = buckets_[current_].back();
     buckets_[current_].pop_back();
     return label;
   }
 
  private:
-  static constexpr std::size_t kBuckets = 4096;
+  static constexpr std::size_t bucket_count = 4096;
   double least_;
   double scale_;
   std::size_t current_ = 0;
@@ -255,7 +255,7 @@ class LabelSearch {
     for (;;) {
       const Label label = labels_.back();
       const auto node = static_cast<std::size_t>(label.node);
-      Label least{.bound = kInfinity};
+      Label least{.bound = infinity};
       for (std::int32_t i = graph_.first_edge[node]; i < graph_.first_edge[node + 1]; ++i) {
         Label next = follow_edge(label, static_cast<std::int32_t>(labels_.size() - 1), i);
         if (next.steps > horizon_) continue;
@@ -275,21 +275,21 @@ class LabelSearch {
   double run(Walk& best, double slack, std::size_t budget) {
     labels_.clear();
     const double root = bound_(graph_.start, 0, 0.0, 0.0);
-    if (root >= best.cost - kCostTolerance) return best.cost;
+    if (root >= best.cost - cost_tolerance) return best.cost;
     if (budget == 0) return root;
     BucketQueue queue(root, best.cost);
-    const bool timed = horizon_ < kMostSteps;
-    cells_.assign(static_cast<std::size_t>((timed ? horizon_ + 1 : 1) * graph_.node_count()), kNone);
+    const bool timed = horizon_ < most_steps;
+    cells_.assign(static_cast<std::size_t>((timed ? horizon_ + 1 : 1) * graph_.node_count()), no_label);
     labels_.push_back({.bound = root, .node = graph_.start});
     cells_[static_cast<std::size_t>(graph_.start)] = 0;
     queue.push(root, 0);
-    double forgotten = kInfinity;  // least bound of walks too long to count
+    double forgotten = infinity;  // least bound of walks too long to count
     std::size_t popped = 0;
     std::int32_t label_idx = -1;
     while (labels_.size() < budget && (label_idx = queue.pop()) >= 0) {
       if ((++popped & 0xfff) == 0) throw_if_interrupted();
       const Label label = labels_[static_cast<std::size_t>(label_idx)];
-      if (label.bound >= best.cost - kCostTolerance) continue;  // dominated labels have an infinite bound
+      if (label.bound >= best.cost - cost_tolerance) continue;  // dominated labels have an infinite bound
       const auto node = static_cast<std::size_t>(label.node);
       for (std::int32_t i = graph_.first_edge[node]; i < graph_.first_edge[node + 1]; ++i) {
         Label next = follow_edge(label, label_idx, i);
@@ -303,7 +303,7 @@ class LabelSearch {
         }
         // A child's walks are among its parent's, so the parent's bound holds for it too.
         next.bound = std::max(label.bound, bound_(next.node, next.steps, next.cost, next.distance));
-        if (next.bound >= best.cost - kCostTolerance) continue;
+        if (next.bound >= best.cost - cost_tolerance) continue;
         next.u = next.cost + targets_.distance_weight * next.distance;
         next.v = next.cost - targets_.distance_weight * next.distance;
         const std::int64_t cell = (timed ? next.steps * graph_.node_count() : 0) + next.node;
@@ -316,7 +316,7 @@ class LabelSearch {
     while ((label_idx = queue.pop()) >= 0) {
       lower_bound = std::min(lower_bound, labels_[static_cast<std::size_t>(label_idx)].bound);
     }
-    return lower_bound < best.cost - kCostTolerance ? lower_bound : best.cost;
+    return lower_bound < best.cost - cost_tolerance ? lower_bound : best.cost;
   }
 
   std::size_t label_count() const { return labels_.size(); }
@@ -340,8 +340,8 @@ class LabelSearch {
   bool insert(std::int32_t& head, Label& label, double slack) {
     std::int32_t* link = &head;
     std::int32_t* place = &head;
-    double least_v = kInfinity;
-    while (*link != kNone) {
+    double least_v = infinity;
+    while (*link != no_label) {
       Label& other = labels_[static_cast<std::size_t>(*link)];
       if (other.u > label.u + slack) break;
       least_v = other.v;
@@ -349,9 +349,9 @@ class LabelSearch {
       if (other.u < label.u) place = link;
     }
     if (least_v <= label.v + slack) return false;
-    while (*place != kNone && labels_[static_cast<std::size_t>(*place)].v >= label.v) {
+    while (*place != no_label && labels_[static_cast<std::size_t>(*place)].v >= label.v) {
       Label& other = labels_[static_cast<std::size_t>(*place)];
-      other.bound = kInfinity;
+      other.bound = infinity;
       *place = other.next_in_cell;
     }
     label.next_in_cell = *place;
@@ -377,7 +377,7 @@ class LabelSearch {
   const Bound& bound_;
   std::int64_t horizon_;
   std::vector<Label> labels_;
-  std::vector<std::int32_t> cells_;  // the first label of each, or kNone
+  std::vector<std::int32_t> cells_;  // the first label of each, or no_label
 };
 
 double cost_of(const StateGraph& graph, const WalkTargets& targets, const std::vector<std::int32_t>& edges) {
@@ -405,11 +405,11 @@ void follow(const StateGraph& graph, const WalkTargets& targets, const ShortestP
 }
 
 // A table of more cells than this (256 MB) is not made.
-constexpr double kMostTableCells = 4e6;
+constexpr double most_table_cells = 4e6;
 
 // How much worse a label may be and still displace another when only a good walk is wanted, not a
 // certificate.
-constexpr double kSlack = 0.05;
+constexpr double fast_slack = 0.05;
 
 // The search proper; when its labels run out before the proof, a last fifth of them goes to finding a better
 // walk.
@@ -419,9 +419,9 @@ void search_and_settle(LabelSearch<Bound>& search, std::size_t max_labels, Walk&
   best.lower_bound = search.run(best, 0.0, max_labels - std::min(max_labels, reserved));
   best.labels += search.label_count();
   if (best.lower_bound == best.cost) return;
-  search.run(best, kSlack, max_labels / 5);
+  search.run(best, fast_slack, max_labels / 5);
   best.labels += search.label_count();
-  if (best.lower_bound > best.cost - kCostTolerance) best.lower_bound = best.cost;
+  if (best.lower_bound > best.cost - cost_tolerance) best.lower_bound = best.cost;
 }
 
 }  // namespace
@@ -432,7 +432,7 @@ Walk find_cheapest_walk(const StateGraph& graph, const WalkTargets& targets, std
 
   // First walks: least cost, fewest frames, least of all three together.
   Walk best;
-  best.cost = kInfinity;
+  best.cost = infinity;
   const ShortestPaths cheapest = shortest_paths(graph, edge_lengths(graph, 1.0, 0.0, 0.0));
   const ShortestPaths briefest = shortest_paths(graph, edge_lengths(graph, 0.0, 0.0, 1.0));
   follow(graph, targets, cheapest, best);
@@ -445,12 +445,12 @@ Walk find_cheapest_walk(const StateGraph& graph, const WalkTargets& targets, std
     return std::max(
         0.0, targets.frames + (best.cost - cheapest.length[static_cast<std::size_t>(graph.start)]) / w_t);
   };
-  constexpr double kExtraFrames =
-      64.0;  // longer walks are of use only if even the dive misses the targets by far
+  // Longer walks are of use only if even the dive misses the targets by far.
+  constexpr double extra_frames = 64.0;
   double horizon =
-      std::max(briefest.length[static_cast<std::size_t>(graph.start)], targets.frames + kExtraFrames);
+      std::max(briefest.length[static_cast<std::size_t>(graph.start)], targets.frames + extra_frames);
   if (w_t > 0.0) horizon = std::min(horizon, longest());
-  while (w_t > 0.0 && (horizon + 1.0) * static_cast<double>(graph.node_count()) <= kMostTableCells) {
+  while (w_t > 0.0 && (horizon + 1.0) * static_cast<double>(graph.node_count()) <= most_table_cells) {
     const auto steps = static_cast<std::int64_t>(horizon);
     const TimedBound bound(graph, targets, steps);
     LabelSearch search(graph, targets, bound, steps);
@@ -468,8 +468,8 @@ Walk find_cheapest_walk(const StateGraph& graph, const WalkTargets& targets, std
   Walk walk = best;
   walk.cost = cost_of(graph, timeless, walk.edges);
   const TimelessBound bound(graph, timeless);
-  LabelSearch search(graph, timeless, bound, kMostSteps);
-  search.run(walk, kSlack, max_labels / 8);
+  LabelSearch search(graph, timeless, bound, most_steps);
+  search.run(walk, fast_slack, max_labels / 8);
   walk.labels = search.label_count();
   search_and_settle(search, max_labels, walk);
   if (w_t == 0.0) return walk;
@@ -478,7 +478,7 @@ Walk find_cheapest_walk(const StateGraph& graph, const WalkTargets& targets, std
     walk.cost = best.cost;
     walk.edges = best.edges;
   }
-  if (walk.lower_bound > walk.cost - kCostTolerance) walk.lower_bound = walk.cost;
+  if (walk.lower_bound > walk.cost - cost_tolerance) walk.lower_bound = walk.cost;
   return walk;
 }
 

@@ -25,12 +25,12 @@ struct WalkTargets {
 struct Walk {
   std::vector<std::int32_t> edges;  // indices into StateGraph::edges, from start to end
   double cost = 0.0;
-  double lower_bound = 0.0;  // no walk costs less; equals `cost` when proved to `kCostTolerance`
+  double lower_bound = 0.0;  // no walk costs less; equals `cost` when proved to `cost_tolerance`
   std::size_t labels = 0;
 };
 
 // Costs that differ by less count as equal: distances are sums of real numbers in different orders.
-inline constexpr double kCostTolerance = 1e-9;
+inline constexpr double cost_tolerance = 1e-9;
 
 // Precondition: the graph is not empty. Always returns a walk; looks at no more than about `max_labels`
 // labels.

@@ -14,7 +14,7 @@
 namespace reprise::path_detail {
 namespace {
 
-constexpr double kUnit = 1.0 / 128.0;  // all distances are multiples of it
+constexpr double distance_unit = 1.0 / 128.0;  // all distances are multiples of it
 
 // A chain from start to end, so that the end can be reached, with random edges forward and back.
 StateGraph random_graph(int node_count, int edges_per_node, std::mt19937& random) {
@@ -28,7 +28,7 @@ StateGraph random_graph(int node_count, int edges_per_node, std::mt19937& random
       StateEdge edge;
       edge.target = i == 0 ? node + 1 : integer(0, node_count - 2);
       edge.steps = integer(2, 9);
-      edge.distance = integer(0, 64) * kUnit;
+      edge.distance = integer(0, 64) * distance_unit;
       edge.cost = std::uniform_real_distribution<double>(0.1, 0.2)(random);
       graph.edges.push_back(edge);
     }
@@ -57,14 +57,14 @@ double exhaustive(const StateGraph& graph, const WalkTargets& targets, int most_
   for (int steps = 0; steps <= most_steps; ++steps) {
     for (std::size_t unit = 0; unit < units; ++unit) {
       best = std::min(best, cost[cell(steps, nodes - 1, unit)] +
-                                penalty(targets, static_cast<double>(unit) * kUnit, steps));
+                                penalty(targets, static_cast<double>(unit) * distance_unit, steps));
     }
     for (std::size_t node = 0; node + 1 < nodes; ++node) {
       for (auto i = static_cast<std::size_t>(graph.first_edge[node]);
            i < static_cast<std::size_t>(graph.first_edge[node + 1]); ++i) {
         const StateEdge& edge = graph.edges[i];
         if (steps + edge.steps > most_steps) continue;
-        const auto added = static_cast<std::size_t>(std::lround(edge.distance / kUnit));
+        const auto added = static_cast<std::size_t>(std::lround(edge.distance / distance_unit));
         for (std::size_t unit = 0; unit + added < units; ++unit) {
           double& there = cost[cell(steps + edge.steps, static_cast<std::size_t>(edge.target), unit + added)];
           there = std::min(there, cost[cell(steps, node, unit)] + edge.cost);
@@ -110,7 +110,7 @@ TEST(WalkSearch, EqualsExhaustiveSearchOfAllStates) {
     // No better walk is longer or farther than this.
     const int most_steps = static_cast<int>(targets.frames + walk.cost / targets.time_weight);
     const int most_units =
-        static_cast<int>((targets.distance + walk.cost / targets.distance_weight) / kUnit) + 1;
+        static_cast<int>((targets.distance + walk.cost / targets.distance_weight) / distance_unit) + 1;
     EXPECT_NEAR(walk.cost, exhaustive(graph, targets, most_steps, most_units), 1e-8);
   }
   EXPECT_GT(labels, 50000u);

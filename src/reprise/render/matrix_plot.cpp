@@ -19,10 +19,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t max_pixels = 2000;  // of the heat map along one side
 constexpr double canvas_width = 1400.0;
 constexpr double canvas_height = 1250.0;
-constexpr double side = 1040.0;  // of the square plot, pixels
+constexpr std::size_t side = 1040;  // of the square plot, pixels
 constexpr double left = 170.0;
 constexpr double bottom = 135.0;
 constexpr double letter_width = 9.0;  // of a clip name, pixels
@@ -59,20 +58,32 @@ std::string quoted(const std::string& text) {
   return result + "'";
 }
 
-// Rows top to bottom, the smallest value of every block x block frames.
-std::vector<float> reduced(const DissimilarityMatrix& matrix, std::size_t block, std::size_t size) {
-  const std::size_t frame_count = matrix.frame_count();
-  std::vector<float> values(size * size);
-  parallel_for(0, size, [&](std::size_t row) {
-    for (std::size_t column = row; column < size; ++column) {
+// The frames that one pixel of the plot stands for: [first, last).
+struct PixelFrames {
+  std::size_t first = 0;
+  std::size_t last = 0;
+};
+
+PixelFrames frames_of_pixel(std::size_t pixel, std::size_t frame_count) {
+  const std::size_t first = pixel * frame_count / side;
+  return {first, std::max(first + 1, (pixel + 1) * frame_count / side)};
+}
+
+// Values as the plot shows them, one a pixel, rows top to bottom. Drawn pixel for pixel: gnuplot would leave
+// seams between frames, or blur them.
+std::vector<float> raster(const DissimilarityMatrix& matrix) {
+  std::vector<float> values(side * side);
+  parallel_for(0, side, [&](std::size_t row) {
+    const PixelFrames rows = frames_of_pixel(row, matrix.frame_count());
+    for (std::size_t column = row; column < side; ++column) {
+      const PixelFrames columns = frames_of_pixel(column, matrix.frame_count());
       float least = INFINITY;
-      for (std::size_t a = row * block; a < std::min((row + 1) * block, frame_count); ++a) {
-        for (std::size_t b = column * block; b < std::min((column + 1) * block, frame_count); ++b) {
+      for (std::size_t a = rows.first; a < rows.last; ++a) {
+        for (std::size_t b = columns.first; b < columns.last; ++b)
           least = std::min(least, matrix.value(a, b));
-        }
       }
-      values[row * size + column] = least;
-      values[column * size + row] = least;
+      values[row * side + column] = least;
+      values[column * side + row] = least;
     }
   });
   return values;
@@ -171,11 +182,9 @@ void plot_matrix(const DissimilarityMatrix& matrix, const std::vector<Transition
   const std::size_t frame_count = matrix.frame_count();
   if (frame_count == 0) throw InvalidArgument("matrix: has no frame to plot");
   const std::vector<double> points = transition_points(matrix, transitions);
-  const std::size_t block = (frame_count + max_pixels - 1) / max_pixels;
-  const std::size_t size = (frame_count + block - 1) / block;
 
   const ScratchFolder folder;
-  const std::vector<float> values = reduced(matrix, block, size);
+  const std::vector<float> values = raster(matrix);
   write_binary(folder.path() / "matrix.bin", values);
   write_binary(folder.path() / "transitions.bin", points);
   float largest = 0.0F;
@@ -209,10 +218,10 @@ void plot_matrix(const DissimilarityMatrix& matrix, const std::vector<Transition
   script += "set label 'source frame' at screen 0.018,graph 0.5 center rotate by 90 font ',13'\n";
   script += axis_script(matrix);
   // An image is placed by the centre of its first pixel.
+  const double pixel = static_cast<double>(frame_count) / side;
   script += fmt::format(
-      "plot 'matrix.bin' binary array=({0},{0}) format='%float32' origin=({1},{1}) dx={2} dy={2} with image "
-      "pixels",
-      size, 0.5 * static_cast<double>(block), block);
+      "plot 'matrix.bin' binary array=({0},{0}) format='%float32' origin=({1},{1}) dx={2} dy={2} with image",
+      side, 0.5 * pixel, pixel);
   if (!points.empty()) {
     const char* source =
         "'transitions.bin' binary record=({}) format='%float64%float64' using 1:2 with points pt 7";

@@ -13,7 +13,7 @@ namespace reprise {
 
 // Heat map of a matrix as PNG: axes in frames, clip names and borders on both, a colour bar in metres;
 // `transitions` (may be empty) are marked at (m, n). Row = source frame from the top, column = target frame.
-// Beyond 2000 frames a pixel shows the smallest value of its block, so that thin valleys survive. Throws
+// Beyond 1040 frames a pixel shows the smallest value of its frames, so that thin valleys survive. Throws
 // `Error` if gnuplot is not installed, `FileError` if it fails (with what it said).
 void plot_matrix(const DissimilarityMatrix& matrix, const std::vector<Transition>& transitions,
                  const std::filesystem::path& png);
