@@ -72,7 +72,7 @@ PositionsView view(const Positions& positions) {
 // CHOLMOD factor of the lower triangle of `A`, and its solve with workspace kept between calls.
 class CholmodPeer {
  public:
-  CholmodPeer(Eigen::SparseMatrix<double> A, int mode, int ordering) : A_(std::move(A)) {
+  CholmodPeer(const Eigen::SparseMatrix<double>& A, int mode, int ordering) : A_(A) {
     cholmod_start(&common_);
     common_.supernodal = mode;
     common_.final_ll = 1;

@@ -104,7 +104,7 @@ expect 1 "did you mean 'walk'" "$reprise" keyframes figure.reprise --graph graph
 expect 1 "asked for 9999" "$reprise" keyframes figure.reprise --graph graph.json --from walk:9999 --to wave:2 -o new.reprise
 expect 1 "CLIP:FRAME" "$reprise" keyframes figure.reprise --graph graph.json --from walk --to wave:2 -o new.reprise
 "$reprise" export figure.reprise --clip stand -o stand_obj --format obj > out.txt 2>&1 || fail "export of OBJ"
-expect 0 "2 clips" "$reprise" import pair.reprise --sequence walk=walk --sequence stand=stand_obj -v
+expect 0 "2 clips imported" "$reprise" import pair.reprise --sequence walk=walk --sequence stand=stand_obj -v
 expect 0 "transitions" "$reprise" graph pair.reprise -o pair.json --remove 'walk->stand'
 expect 0 "transitions" "$reprise" graph pair.reprise -o pair.json
 expect 1 "no path" "$reprise" keyframes pair.reprise --graph pair.json --from walk:1 --to stand:9 --distance 1 --time 1 -o new.reprise
@@ -135,8 +135,28 @@ unchanged figure.reprise
 [ ! -e full.glb ] && [ ! -e full.mdd ] && [ ! -e full ] || fail "a full disk left half a file"
 no_partial_files
 
+# An output is never an input, nor two outputs one file
+keep graph.json
+keep figure.reprise
+query=(keyframes figure.reprise --graph graph.json --from stand:5 --to wave:20 --time 6 --distance 6)
+expect 1 "not written over" "$reprise" "${query[@]}" -o ./figure.reprise
+expect 1 "not written over" "$reprise" "${query[@]}" -o new.reprise --report "$PWD/graph.json"
+expect 1 ".json" "$reprise" "${query[@]}" -o new.reprise --report r.txt
+expect 1 "no folder" "$reprise" "${query[@]}" -o new.reprise --report nowhere/r.json
+expect 1 "not written over" "$reprise" similarity figure.reprise --picture figure.reprise
+expect 1 ".svg" "$reprise" graph figure.reprise -o other.json --picture graph.png
+expect 1 "not written over" "$reprise" export figure.reprise --clip walk -o figure.reprise --format glb
+expect 1 "not written over" "$reprise" render figure.reprise --clip walk -o figure.reprise
+unchanged graph.json
+unchanged figure.reprise
+unchanged new.reprise
+
+# Standard error may be closed: the exit code still tells
+"$reprise" info nowhere.reprise 2>&-
+[ $? -eq 1 ] || fail "no exit code without standard error"
+
 # Ctrl-C in the middle: an older result stays, nothing half-written is left
-"$reprise" perform -o big.reprise --voxel-size 0.012 > out.txt 2>&1 &
+"$reprise" perform -o big.reprise --voxel-size 0.008 > out.txt 2>&1 &
 job=$!
 sleep 1
 kill -INT $job

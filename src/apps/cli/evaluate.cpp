@@ -45,7 +45,7 @@ Action add_naturalness(CLI::App& command) {
                                         {"captured_foot_drift_cm_s", n.captured_foot_drift},
                                         {"edge_stretch_p99", n.edge_stretch_p99},
                                         {"captured_edge_stretch_p99", n.captured_edge_stretch_p99}}
-                             .dump(2));
+                             .dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
       return exit_success;
     }
     fmt::print("{:<28} {:>10} {:>10}\n", "", "animation", "captured");

@@ -10,6 +10,7 @@
 #include "command.h"
 #include "reprise/io/sequence_writer.h"
 #include "reprise/pipeline/open.h"
+#include "reprise/pipeline/outputs.h"
 
 namespace reprise::cli {
 
@@ -42,6 +43,7 @@ Action add_export(CLI::App& command) {
     arguments->options.binary_ply = !arguments->ascii;
     arguments->options.write_topology = !arguments->no_topology;
     const SequenceFormat format = parse_sequence_format(arguments->format, arguments->output);
+    check_outputs({{arguments->output, file_extension(format)}}, {arguments->database});
     const MeshSequence clip = open_clip(arguments->database, arguments->clip);
     const SequenceWriteReport report = write_sequence(clip, arguments->output, format, arguments->options);
     fmt::print("{}: {} of {} frames", report.path.string(), report.frames_written, clip.frame_count());

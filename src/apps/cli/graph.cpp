@@ -4,7 +4,6 @@
 #include "reprise/pipeline/graph.h"
 
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -13,6 +12,7 @@
 
 #include "command.h"
 #include "reprise/io/database_file.h"
+#include "reprise/pipeline/outputs.h"
 #include "reprise/pipeline/similarity.h"
 #include "reprise/render/plots.h"
 
@@ -20,10 +20,6 @@ namespace reprise::cli {
 namespace {
 
 void add_transition_options(CLI::App& command, TransitionOptions& options) {
-  static const std::map<std::string, WindowCriterion> criteria = {
-      {"blend-speed", WindowCriterion::blend_speed}, {"paper-sum", WindowCriterion::paper_sum}};
-  static const std::map<std::string, BlendProfile> profiles = {{"linear", BlendProfile::linear},
-                                                               {"smooth", BlendProfile::smooth}};
   command.add_option("--transitions-per-pair", options.transitions_per_pair,
                      "best transitions kept per ordered pair of clips");
   command.add_option("--max-half-window", options.max_half_window,
@@ -32,13 +28,26 @@ void add_transition_options(CLI::App& command, TransitionOptions& options) {
   command.add_option("--self-min-gap", options.self_min_gap,
                      "a clip links to itself only over this many frames");
   command.add_option("--separation", options.separation, "frames between transitions of one pair");
-  command.add_option("--criterion", options.criterion, "how the length of a blend is chosen")
-      ->transform(CLI::CheckedTransformer(criteria, CLI::ignore_case))
+  command
+      .add_option_function<std::string>(
+          "--criterion",
+          [&options](const std::string& name) {
+            options.criterion =
+                name == "paper-sum" ? WindowCriterion::paper_sum : WindowCriterion::blend_speed;
+          },
+          "how the length of a blend is chosen: blend-speed, or paper-sum (Eq. 5 literally)")
+      ->check(CLI::IsMember({"blend-speed", "paper-sum"}))
       ->default_str("blend-speed");
   command.add_option("--acceleration-weight", options.acceleration_weight,
                      "blend-speed: weight of the peak acceleration, frames^2");
-  command.add_option("--profile", options.profile, "blend weight along the window")
-      ->transform(CLI::CheckedTransformer(profiles, CLI::ignore_case))
+  command
+      .add_option_function<std::string>(
+          "--profile",
+          [&options](const std::string& name) {
+            options.profile = name == "linear" ? BlendProfile::linear : BlendProfile::smooth;
+          },
+          "blend weight along the window: smooth, or linear (Eq. 2)")
+      ->check(CLI::IsMember({"smooth", "linear"}))
       ->default_str("smooth");
 }
 
@@ -65,6 +74,7 @@ Action add_graph(CLI::App& command) {
   command.add_option("--restore", arguments->options.restore, "bring back a removed edge");
   command.add_option("--picture", arguments->picture, "draw the graph, FILE.svg");
   return [arguments] {
+    check_outputs({{arguments->output, ".json"}, {arguments->picture, ".svg"}}, {arguments->database});
     const PerformanceDatabase database = load_database(arguments->database);
     const SimilarityResult similarity =
         compute_similarity(database, arguments->database, arguments->similarity);

@@ -39,7 +39,7 @@ Action add_import(CLI::App& command) {
     }
     const ImportReport report = import_sequences(arguments->database, arguments->options);
     const double megabytes = static_cast<double>(report.bytes) / 1e6;
-    fmt::print("{}: {} clips, {} frames, {:.1f} MB read in {:.2f} s ({:.0f} MB/s)\n",
+    fmt::print("{}: {} clips imported, {} frames, {:.1f} MB read in {:.2f} s ({:.0f} MB/s)\n",
                arguments->database.string(), report.clips, report.frames, megabytes, report.seconds,
                megabytes / report.seconds);
     return exit_success;

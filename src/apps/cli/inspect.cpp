@@ -24,7 +24,7 @@ Action add_info(CLI::App& command) {
   return [arguments] {
     const nlohmann::json info = describe_database(arguments->database);
     if (arguments->json) {
-      fmt::print("{}\n", info.dump(2));
+      fmt::print("{}\n", info.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
       return exit_success;
     }
     fmt::print("{}: {} vertices, {} triangles{}, {} frames\n", info["path"].get<std::string>(),
@@ -66,7 +66,7 @@ Action add_validate(CLI::App& command) {
                                         {"frames", report.frames},
                                         {"ok", report.ok()},
                                         {"findings", std::move(findings)}}
-                             .dump(2));
+                             .dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
     } else {
       for (const Finding& finding : report.findings) {
         fmt::print("{}: {}: {}\n", severity(finding), finding.where, finding.what);

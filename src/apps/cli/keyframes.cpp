@@ -14,6 +14,7 @@
 #include "reprise/core/atomic_file.h"
 #include "reprise/core/error.h"
 #include "reprise/io/database_file.h"
+#include "reprise/pipeline/outputs.h"
 
 namespace reprise::cli {
 
@@ -46,9 +47,13 @@ Action add_keyframes(CLI::App& command) {
                      "cost of a metre beside the target");
   command.add_option("--time-weight", arguments->options.optimizer.time_weight,
                      "cost of a frame beside the target");
-  command.add_option("--max-labels", arguments->options.optimizer.max_labels,
-                     "partial paths to look at before the best so far is given with its gap");
+  command
+      .add_option("--max-labels", arguments->options.optimizer.max_labels,
+                  "partial paths to look at before the best so far is given with its gap")
+      ->check(CLI::PositiveNumber);
   return [arguments] {
+    check_outputs({{arguments->output, ".reprise"}, {arguments->report, ".json"}},
+                  {arguments->database, arguments->graph});
     KeyframesOptions& options = arguments->options;
     options.keyframes = {arguments->from};
     options.keyframes.insert(options.keyframes.end(), arguments->via.begin(), arguments->via.end());

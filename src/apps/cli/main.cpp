@@ -36,15 +36,21 @@ constexpr std::array commands = {
     Command{"evaluate", "measure the quality of a result", reprise::cli::add_evaluate},
 };
 
+// Never throws: standard error may be closed or full, and the exit code must still tell.
+void complain(const std::string& text) {
+  const std::string line = "reprise: " + text + "\n";
+  std::fputs(line.c_str(), stderr);
+}
+
 // The parser only says that a command is missing; a typo deserves its name and the nearest command.
 bool is_known_command(const std::string& word) {
   std::vector<std::string> names;
   for (const Command& command : commands) names.emplace_back(command.name);
   if (word.starts_with('-') || std::ranges::count(names, word) > 0) return true;
   const std::string nearest = reprise::nearest_word(word, names);
-  fmt::print(
-      stderr, "reprise: there is no command '{}'{}\n", word,
-      nearest.empty() ? "; `reprise --help` lists them" : fmt::format("; did you mean '{}'?", nearest));
+  complain(fmt::format(
+      "there is no command '{}'{}", word,
+      nearest.empty() ? "; `reprise --help` lists them" : fmt::format("; did you mean '{}'?", nearest)));
   return false;
 }
 
@@ -85,13 +91,13 @@ int main(int argc, char** argv) {
     if (std::fflush(stdout) != 0) throw reprise::Error("standard output cannot be written");
     return code;
   } catch (const reprise::Cancelled& error) {
-    fmt::print(stderr, "reprise: {}\n", error.what());
+    complain(error.what());
     return reprise::cli::exit_interrupted;
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "reprise: error: out of memory\n");
+    complain("error: out of memory");
     return reprise::cli::exit_failure;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "reprise: error: {}\n", error.what());
+    complain(std::string("error: ") + error.what());
     return reprise::cli::exit_failure;
   }
 }

@@ -11,6 +11,7 @@
 
 #include "command.h"
 #include "reprise/pipeline/open.h"
+#include "reprise/pipeline/outputs.h"
 
 namespace reprise::cli {
 
@@ -42,8 +43,10 @@ Action add_render(CLI::App& command) {
   command.add_option("--samples", view.samples, "samples per pixel against jagged edges");
   command.add_flag("--no-floor", arguments->no_floor, "draw no floor");
   command.add_option("--frames", arguments->frames, "which frames: FIRST:LAST or FIRST:LAST:STEP");
-  command.add_option("--columns", arguments->options.columns, "png: frames in one row; 0: all");
+  command.add_option("--columns", arguments->options.columns, "png: frames in one row; 0: all")
+      ->check(CLI::NonNegativeNumber);
   return [arguments] {
+    check_outputs({{arguments->output, ""}}, {arguments->database});
     RenderStageOptions& options = arguments->options;
     parse_size(arguments->size, options.view);
     options.view.camera = parse_camera(arguments->camera);

@@ -11,6 +11,7 @@
 #include "command.h"
 #include "reprise/io/database_file.h"
 #include "reprise/pipeline/graph.h"
+#include "reprise/pipeline/outputs.h"
 #include "reprise/render/plots.h"
 
 namespace reprise::cli {
@@ -30,6 +31,7 @@ Action add_similarity(CLI::App& command) {
                      "write a heat map, FILE.png, with the best transitions marked");
   command.add_flag("--no-cache", arguments->no_cache, "compute anew, keep nothing");
   return [arguments] {
+    check_outputs({{arguments->picture, ".png"}}, {arguments->database});
     arguments->options.use_cache = !arguments->no_cache;
     const PerformanceDatabase database = load_database(arguments->database);
     const SimilarityResult result = compute_similarity(database, arguments->database, arguments->options);

@@ -12,11 +12,11 @@
 
 namespace reprise {
 
-template <typename T, std::endian Order>
+template <typename T, std::endian order>
 T load(const char* bytes) {
   std::array<char, sizeof(T)> raw;
   std::memcpy(raw.data(), bytes, sizeof(T));
-  if constexpr (Order != std::endian::native) std::reverse(raw.begin(), raw.end());
+  if constexpr (order != std::endian::native) std::reverse(raw.begin(), raw.end());
   return std::bit_cast<T>(raw);
 }
 

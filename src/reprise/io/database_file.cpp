@@ -4,8 +4,10 @@
 #include "reprise/io/database_file.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <map>
 #include <optional>
@@ -15,6 +17,7 @@
 
 #include "reprise/core/atomic_file.h"
 #include "reprise/core/error.h"
+#include "reprise/core/parallel.h"
 #include "reprise/core/progress.h"
 #include "reprise/io/hdf5.h"
 
@@ -43,7 +46,9 @@ std::string header_text(const Header& header) {
 
 std::string first_bytes(const fs::path& path) {
   std::string bytes(user_block, '\0');
+  errno = 0;
   std::ifstream stream(path, std::ios::binary);
+  if (!stream) throw FileError(path, fmt::format("cannot be read: {}", std::strerror(errno)));
   stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   bytes.resize(static_cast<std::size_t>(stream.gcount()));
   return bytes;
@@ -258,6 +263,7 @@ struct DatabaseReader::Impl {
         clip.normals->read<float>({first, 0, 0}, {count, n, 3},
                                   std::span(sequence.mutable_normals(first).data(), count * n * 3));
       }
+      check_usable(sequence, first, count);
       on_frames(count);
     }
     if (clip.colors && info.frame_count > 0) {
@@ -269,6 +275,18 @@ struct DatabaseReader::Impl {
     }
     sequence.set_origins(read_origins(clip_idx));
     return sequence;
+  }
+
+  // Motion that is worked on must be finite: one NaN would spread into every figure computed from it.
+  void check_usable(const MeshSequence& sequence, std::size_t first, std::size_t count) const {
+    std::vector<std::string> faults(count);
+    parallel_for(0, count,
+                 [&](std::size_t i) { faults[i] = degeneracy(*topology, sequence.frame(first + i)); });
+    for (std::size_t i = 0; i < count; ++i) {
+      if (faults[i].empty()) continue;
+      throw FileError(file.file_path(), fmt::format("clip '{}', frame {}", sequence.name(), first + i),
+                      faults[i]);
+    }
   }
 
   void check_clip(std::size_t clip_idx) const {

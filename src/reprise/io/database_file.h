@@ -43,6 +43,8 @@ class DatabaseReader {
 
   // One frame with its normals and colours. Throws `FileError` or, for a bad index, `InvalidArgument`.
   Mesh read_frame(std::size_t clip_idx, std::size_t frame_idx) const;
+  // A whole clip. Unlike `read_frame`, which shows a frame as it is, refuses frames that cannot be used (NaN,
+  // no area).
   MeshSequence read_clip(std::size_t clip_idx) const;
 
  private:

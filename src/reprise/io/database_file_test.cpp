@@ -3,7 +3,9 @@
 
 #include "reprise/io/database_file.h"
 
+#include <cmath>
 #include <fstream>
+#include <limits>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -88,6 +90,23 @@ TEST(DatabaseFixture, Version1StillLoads) {
   ASSERT_EQ(found.clip_names(), expected.clip_names());
   for (std::size_t c = 0; c < 2; ++c) test::expect_equal(found.clip(c), expected.clip(c));
   EXPECT_EQ(DatabaseReader(fixture_path()).note(), "{\"made\": \"for the tests\"}");
+}
+
+TEST(DatabaseFile, FramesThatAreNoSurfaceAreShownButNotWorkedOn) {
+  const test::TemporaryFolder folder;
+  PerformanceDatabase database = fixture_database();
+  MeshSequence bad = database.clip(0);
+  bad.set_name("bad");
+  bad.frame(1)(3, 1) = std::numeric_limits<float>::quiet_NaN();
+  database.add(bad);
+  save_database(database, folder / "a.reprise");
+  const DatabaseReader reader(folder / "a.reprise");
+  EXPECT_TRUE(std::isnan(reader.read_frame(2, 1).positions(3, 1)));
+  EXPECT_EQ(reader.read_clip(0).frame_count(), database.clip(0).frame_count());
+  const auto names_the_place =
+      ThrowsMessage<FileError>(AllOf(HasSubstr("clip 'bad', frame 1"), HasSubstr("vertex 3")));
+  EXPECT_THAT([&] { (void)reader.read_clip(2); }, names_the_place);
+  EXPECT_THAT([&] { (void)load_database(folder / "a.reprise"); }, names_the_place);
 }
 
 TEST(DatabaseFile, EverythingComesBackAsItWas) {
@@ -275,7 +294,9 @@ TEST(DatabaseFile, ArraysOfWrongShapeAreNamed) {
       clip.write_integer("index", index);
       clip.write_integer("frame_count", 2);
       clip.write_number("frames_per_second", 25.0);
-      const std::vector<float> values(positions_shape[0] * positions_shape[1] * positions_shape[2]);
+      std::vector<float> values(positions_shape[0] * positions_shape[1] * positions_shape[2]);
+      // One vertex on each axis: a triangle with an area.
+      for (std::size_t i = 0; i < values.size(); ++i) values[i] = i / 3 % 3 == i % 3 ? 1.0F : 0.0F;
       clip.write<float>("positions", positions_shape, values);
     }
     file.finish();

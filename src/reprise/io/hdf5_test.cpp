@@ -71,7 +71,7 @@ TEST(Hdf5, BlocksAreReadWhereTheyWereWrittenForEveryKindOfChunk) {
   const std::vector<Hdf5DatasetOptions> kinds = {{.chunk_rows = 1, .growable = true},
                                                  {.chunk_rows = 4, .growable = true, .deflate = 1},
                                                  {.chunk_rows = 2, .growable = true, .checksum = true}};
-  std::vector<std::int32_t> all(7 * 5);
+  std::vector<std::int32_t> all(std::size_t{7} * 5);
   std::iota(all.begin(), all.end(), 100);
   for (const Hdf5DatasetOptions& kind : kinds) {
     {

@@ -211,18 +211,18 @@ class PlyBuilder {
   std::string body_;
 };
 
-using u8 = std::uint8_t;
+using U8 = std::uint8_t;
 constexpr std::array formats = {"ascii", "binary_little_endian", "binary_big_endian"};
 
 TEST(Ply, AllFormatsTypesAndOrdersGiveTheSameMesh) {
   for (const char* format : formats) {
     PlyBuilder ply(format);
-    ply.add<u8>({2}).add<std::int16_t>({-5, 6});                           // camera, before everything
-    ply.add<u8>({4}).add<std::uint32_t>({0, 1, 2, 3}).add<float>({7.0f});  // faces before vertices
-    ply.add<u8>({3}).add<std::uint32_t>({0, 1, 2}).add<float>({8.0f});
+    ply.add<U8>({2}).add<std::int16_t>({-5, 6});                           // camera, before everything
+    ply.add<U8>({4}).add<std::uint32_t>({0, 1, 2, 3}).add<float>({7.0f});  // faces before vertices
+    ply.add<U8>({3}).add<std::uint32_t>({0, 1, 2}).add<float>({8.0f});
     for (const auto& [x, y] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 1}}) {
-      ply.add<double>({0.25 + y}).add<u8>({9}).add<float>({static_cast<float>(x)});
-      ply.add<u8>({1, 2, 3}).add<std::int32_t>({5}).add<float>({0.0f, 0.0f, 1.0f});
+      ply.add<double>({0.25 + y}).add<U8>({9}).add<float>({static_cast<float>(x)});
+      ply.add<U8>({1, 2, 3}).add<std::int32_t>({5}).add<float>({0.0f, 0.0f, 1.0f});
       ply.add<std::uint16_t>({1}).add<std::int8_t>({-3}).add<float>({0.5f * static_cast<float>(x), 0.25f});
     }
     const ParsedMesh mesh = parse_ply(
@@ -249,7 +249,7 @@ const std::string triangle_header =
     "element face 1\nproperty list uchar int vertex_indices\n";
 
 PlyBuilder& add_triangle(PlyBuilder& ply) {
-  return ply.add<float>({0, 0, 0, 1, 0, 0, 0, 1, 0}).add<u8>({3}).add<std::int32_t>({0, 1, 2});
+  return ply.add<float>({0, 0, 0, 1, 0, 0, 0, 1, 0}).add<U8>({3}).add<std::int32_t>({0, 1, 2});
 }
 
 TEST(Ply, ColourNamesAndTypesAreEquivalent) {

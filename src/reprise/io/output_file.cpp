@@ -23,8 +23,8 @@ namespace {
 
 }  // namespace
 
-OutputFile::OutputFile(const std::filesystem::path& path, std::filesystem::path reported_path)
-    : reported_path_(reported_path.empty() ? path : std::move(reported_path)),
+OutputFile::OutputFile(const std::filesystem::path& path, const std::filesystem::path& reported_path)
+    : reported_path_(reported_path.empty() ? path : reported_path),
       descriptor_(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)) {
   if (descriptor_ < 0) fail(reported_path_, errno);
 }

@@ -15,7 +15,7 @@ class OutputFile {
  public:
   // Creates or replaces the file at `path`. `reported_path`: what errors call it, if it is a temporary one.
   // Throws `FileError`, as do all members.
-  explicit OutputFile(const std::filesystem::path& path, std::filesystem::path reported_path = {});
+  explicit OutputFile(const std::filesystem::path& path, const std::filesystem::path& reported_path = {});
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;

@@ -29,7 +29,6 @@ namespace {
 namespace fs = std::filesystem;
 using test::TemporaryFolder;
 using ::testing::AllOf;
-using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -287,7 +286,7 @@ TEST(PointCacheErrors, EveryUnusableFileIsNamedWithItsReason) {
   const fs::path faces = folder / "faces.obj";
   write_text_file(faces, obj_frame(0));
   std::vector<float> values = triangle_frames(3);
-  values[3 * 3 * 2] = NAN;
+  values[18] = NAN;  // in the third frame
   std::fill(values.begin() + 9, values.begin() + 18, 0.0f);
   for (const auto& [name, bytes] : {std::pair<std::string, std::string>{"a.pc2", pc2_file(3, values)},
                                     {"a.mdd", mdd_file(3, {0, 1, 2}, values)}}) {

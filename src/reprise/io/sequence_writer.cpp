@@ -199,6 +199,21 @@ SequenceWriteReport write_sequence(const MeshSequence& sequence, const fs::path&
   return report;
 }
 
+std::string file_extension(SequenceFormat format) {
+  switch (format) {
+    case SequenceFormat::gltf:
+      return ".glb";
+    case SequenceFormat::pc2:
+      return ".pc2";
+    case SequenceFormat::mdd:
+      return ".mdd";
+    case SequenceFormat::obj:
+    case SequenceFormat::ply:
+      break;
+  }
+  return {};
+}
+
 SequenceFormat parse_sequence_format(const std::string& name, const fs::path& target) {
   std::string word = name.empty() ? target.extension().string() : name;
   if (name.empty() && !word.empty()) word.erase(0, 1);

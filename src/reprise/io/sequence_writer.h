@@ -44,4 +44,7 @@ SequenceWriteReport write_sequence(const MeshSequence& sequence, const std::file
 // name is empty. Throws `InvalidArgument` listing the formats.
 SequenceFormat parse_sequence_format(const std::string& name, const std::filesystem::path& target);
 
+// ".glb", ".pc2", ".mdd"; empty for the formats that write a folder.
+std::string file_extension(SequenceFormat format);
+
 }  // namespace reprise

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -53,7 +54,7 @@ void backward(const Panel& panel, const std::int32_t* rows, const double* values
   Lanes y[width];
   Lanes* own = x + panel.first_column;
   for (int k = 0; k < width; ++k) y[k] = own[k];
-  const double* below = values + width * width;
+  const double* below = values + std::ptrdiff_t{width} * width;
   for (std::int32_t i = 0; i < panel.row_count; ++i, below += width) {
     const Lanes row = x[rows[i]];
     for (int k = 0; k < width; ++k) y[k] -= below[k] * row;

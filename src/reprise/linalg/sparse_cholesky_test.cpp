@@ -21,7 +21,8 @@ using ::testing::HasSubstr;
 
 // Laplacian of a grid of n x n points plus `shift` on the diagonal.
 Sparse grid_laplacian(int n, double shift) {
-  Sparse A(n * n, n * n);
+  const Eigen::Index size = Eigen::Index{n} * n;
+  Sparse A(size, size);
   std::vector<Eigen::Triplet<double>> entries;
   const auto link = [&](int a, int b) {
     entries.insert(entries.end(), {{a, a, 1.0}, {b, b, 1.0}, {a, b, -1.0}, {b, a, -1.0}});

@@ -22,9 +22,9 @@ struct KeyframeQuery {
 struct KeyframeOptions {
   double distance_weight =
       1.0 / 0.3;  // w_dist per metre: 0.3 m weigh as much as 10 frames or 1 m of transition cost
-  double time_weight = 1.0 / 10.0;  // w_time per frame
-  std::size_t max_labels =
-      4'000'000;  // search effort after which the best path so far is returned with its gap
+  double time_weight = 1.0 / 10.0;     // w_time per frame
+  std::size_t max_labels = 4'000'000;  // search effort (64 comparisons count as one) after which the best
+                                       // path so far is returned with its gap
 };
 
 // One stretch of a path: frames first..last of a clip shown as captured, then (unless it is the last) a

@@ -286,7 +286,10 @@ class LabelSearch {
     double forgotten = infinity;  // least bound of walks too long to count
     std::size_t popped = 0;
     std::int32_t label_idx = -1;
-    while (labels_.size() < budget && (label_idx = queue.pop()) >= 0) {
+    comparisons_ = 0;
+    // Where many labels share a cell, comparing them is the work: that counts as well, so that a hopeless
+    // search ends.
+    while (labels_.size() + comparisons_ / comparisons_a_label < budget && (label_idx = queue.pop()) >= 0) {
       if ((++popped & 0xfff) == 0) throw_if_interrupted();
       const Label label = labels_[static_cast<std::size_t>(label_idx)];
       if (label.bound >= best.cost - cost_tolerance) continue;  // dominated labels have an infinite bound
@@ -343,6 +346,7 @@ class LabelSearch {
     double least_v = infinity;
     while (*link != no_label) {
       Label& other = labels_[static_cast<std::size_t>(*link)];
+      ++comparisons_;
       if (other.u > label.u + slack) break;
       least_v = other.v;
       link = &other.next_in_cell;
@@ -377,6 +381,8 @@ class LabelSearch {
   const Bound& bound_;
   std::int64_t horizon_;
   std::vector<Label> labels_;
+  static constexpr std::size_t comparisons_a_label = 64;
+  std::size_t comparisons_ = 0;
   std::vector<std::int32_t> cells_;  // the first label of each, or no_label
 };
 

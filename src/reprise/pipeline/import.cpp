@@ -119,15 +119,25 @@ ImportReport import_sequences(const std::filesystem::path& database, const Impor
     }
   }
 
+  std::vector<double> rates;
+  for (std::size_t s = 0; s < readers.size(); ++s) {
+    rates.push_back(options.sequences[s].frames_per_second > 0.0
+                        ? options.sequences[s].frames_per_second
+                        : readers[s]->frames_per_second().value_or(default_frames_per_second));
+    const double expected = existing ? existing->clips().front().frames_per_second : rates.front();
+    if (rates[s] != expected) {
+      throw InvalidArgument(fmt::format(
+          "sequence '{}' has {} frames per second and the database {}: expected one rate (set it with fps=)",
+          options.sequences[s].name, rates[s], expected));
+    }
+  }
+
   DatabaseWriter writer(database, topology);
   if (existing) copy_clips(*existing, writer);
   Progress progress("import", report.frames);
   for (std::size_t s = 0; s < readers.size(); ++s) {
     const ImportSequence& sequence = options.sequences[s];
-    const double rate = sequence.frames_per_second > 0.0
-                            ? sequence.frames_per_second
-                            : readers[s]->frames_per_second().value_or(default_frames_per_second);
-    writer.begin_clip(sequence.name, rate);
+    writer.begin_clip(sequence.name, rates[s]);
     stream_frames(*readers[s], writer, progress);
     for (std::size_t f = 0; f < readers[s]->frame_count(); ++f) report.bytes += readers[s]->frame_bytes(f);
   }

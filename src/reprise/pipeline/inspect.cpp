@@ -28,7 +28,9 @@ class Findings {
   // `kind` groups findings of one sort: after the first few the rest are only counted.
   void add(Finding::Severity severity, const std::string& kind, const std::string& where,
            const std::string& what) {
-    if (++counts_[kind].total <= most_findings_of_a_kind) report_.findings.push_back({severity, where, what});
+    // Messages of file errors begin with the file, which `where` names already.
+    const std::string bare = what.starts_with(where + ": ") ? what.substr(where.size() + 2) : what;
+    if (++counts_[kind].total <= most_findings_of_a_kind) report_.findings.push_back({severity, where, bare});
     counts_[kind].severity = severity;
   }
 

@@ -130,8 +130,8 @@ TEST_F(Import, ValidateFindsAllBadFramesAndNotOnlyTheFirst) {
   const ValidationReport report = validate_path(folder_ / "frames");
   EXPECT_FALSE(report.ok());
   ASSERT_EQ(report.findings.size(), 2U);
-  EXPECT_THAT(report.findings[0].what, HasSubstr("walk_00007.ply"));
-  EXPECT_THAT(report.findings[1].what, HasSubstr("walk_00009.ply"));
+  EXPECT_THAT(report.findings[0].where, HasSubstr("walk_00007.ply"));
+  EXPECT_THAT(report.findings[1].where, HasSubstr("walk_00009.ply"));
 }
 
 TEST(Validate, WarnsOfOpenSurfacesAndJumps) {
@@ -278,6 +278,10 @@ TEST(RenderStage, WritesTheFramesAskedForAndKeepsForeignFolders) {
   EXPECT_THAT([&] { render_sequence(clip, folder / "pictures", options); },
               ThrowsMessage<FileError>(HasSubstr("thesis.txt")));
   EXPECT_TRUE(std::filesystem::exists(folder / "pictures" / "thesis.txt"));
+  std::filesystem::create_directory(folder / "photos");
+  std::ofstream(folder / "photos" / "00000.png") << "not ours";
+  EXPECT_THROW(render_sequence(clip, folder / "photos", options), FileError);
+  EXPECT_TRUE(std::filesystem::exists(folder / "photos" / "00000.png"));
   EXPECT_THROW(render_sequence(clip, folder / "film.avi", options), InvalidArgument);
   options.frames->last = 10;
   EXPECT_THROW(render_sequence(clip, folder / "strip.png", options), InvalidArgument);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "reprise/io/database_file.h"
@@ -36,8 +37,7 @@ PerformanceDatabase import_fashion() {
   std::vector<std::string> sequences;
   for (const char* name : {"walk", "stride", "slowwalk", "walk_stop", "run", "run_fast", "run_stop",
                            "veer_left", "turn_around"}) {
-    sequences.push_back(std::string(name) + "=" + fashion + "/" + name + ".pc2,topology=" + fashion +
-                        "/topology.ply");
+    sequences.push_back(fmt::format("{0}={1}/{0}.pc2,topology={1}/topology.ply", name, fashion));
   }
   return import_all(sequences);
 }

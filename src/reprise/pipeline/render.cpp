@@ -7,6 +7,7 @@
 #include <charconv>
 #include <chrono>
 #include <functional>
+#include <future>
 
 #include <fmt/format.h>
 
@@ -45,10 +46,18 @@ FrameRange checked_range(const MeshSequence& sequence, const std::optional<Frame
   return range;
 }
 
-void check_holds_only_frames(const std::filesystem::path& folder) {
-  if (!std::filesystem::is_directory(folder)) return;
+// Lies in every folder of pictures this program has written: numbered pictures alone could be a
+// photographer's.
+constexpr const char* folder_mark = ".reprise-rendering";
+
+void check_replaceable(const std::filesystem::path& folder) {
+  if (!std::filesystem::is_directory(folder) || std::filesystem::is_empty(folder)) return;
+  if (!std::filesystem::exists(folder / folder_mark)) {
+    throw FileError(folder, "is not replaced: it holds files that are no earlier rendering");
+  }
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     const std::string stem = entry.path().stem().string();
+    if (entry.path().filename() == folder_mark) continue;
     if (entry.path().extension() != ".png" || stem.find_first_not_of("0123456789") != std::string::npos) {
       throw FileError(
           folder, fmt::format("is not replaced: it holds '{}', which is not a frame of an earlier rendering",
@@ -114,10 +123,15 @@ RenderReport render_sequence(const MeshSequence& sequence, const std::filesystem
   SequenceRenderer renderer(sequence, options.view);
   Progress progress("render", report.frames);
   const auto draw_all = [&](const std::function<void(std::size_t, const Image&)>& take) {
+    // A frame is encoded while the next is drawn.
+    std::future<void> taken;
     for (std::size_t f = range.first; f <= range.last; f += range.step) {
-      take(f, renderer.draw(f));
+      Image image = renderer.draw(f);
+      if (taken.valid()) taken.get();
+      taken = std::async(std::launch::async, [&take, f, drawn = std::move(image)] { take(f, drawn); });
       progress.advance();
     }
+    taken.get();
   };
 
   if (extension == ".mp4") {
@@ -133,8 +147,9 @@ RenderReport render_sequence(const MeshSequence& sequence, const std::filesystem
     write_png(tile(images, columns), output.path());
     output.commit();
   } else {
-    check_holds_only_frames(target);
+    check_replaceable(target);
     AtomicOutput output(target, AtomicOutput::Kind::directory);
+    write_text_file(output.path() / folder_mark, "");
     draw_all([&](std::size_t f, const Image& image) {
       write_png(image, output.path() / fmt::format("{:05}.png", f));
     });

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
 
 #include <fmt/format.h>
-#include <stdlib.h>
 
 #include "reprise/core/atomic_file.h"
 #include "reprise/core/error.h"

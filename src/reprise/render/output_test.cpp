@@ -151,7 +151,10 @@ TEST(VideoWriter, KeepsColors) {
                                      "rawvideo", "-pix_fmt", "rgb24", "pipe:1"},
                                     folder / "raw");
   ASSERT_EQ(raw.size(), red.rgb.size());
-  for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(static_cast<std::uint8_t>(raw[3 * 500 + c]), red.rgb[c], 4);
+  const std::size_t pixel = 500;
+  for (std::size_t c = 0; c < 3; ++c) {
+    EXPECT_NEAR(static_cast<std::uint8_t>(raw[3 * pixel + c]), red.rgb[c], 4);
+  }
 }
 
 TEST(VideoWriter, LeavesNothingWithoutACommit) {

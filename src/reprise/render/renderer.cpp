@@ -4,10 +4,12 @@
 #include "reprise/render/renderer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <string>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <fmt/format.h>
 
@@ -22,6 +24,7 @@ namespace {
 constexpr int shadow_size = 768;
 constexpr int floor_light_size = 256;
 constexpr int floor_taps = 16;
+constexpr double shadow_reach = 0.13;  // metres: how far beside its caster a shadow ends on the floor
 
 class Program {
  public:
@@ -114,11 +117,49 @@ std::vector<Eigen::Vector2f> disk_taps() {
   return taps;
 }
 
+// Moves the triangles of components that enclose a volume to the front and says how many they are. As every
+// vertex lies before the camera and before the light, these see such a component from outside alone.
+std::size_t enclosing_first(std::vector<Triangle>& triangles, const Topology& topology,
+                            const PositionsView& positions) {
+  const ConnectedComponents components = connected_components(topology);
+  const auto component_of = [&](std::int32_t vertex) {
+    return static_cast<std::size_t>(components.of_vertex[static_cast<std::size_t>(vertex)]);
+  };
+  std::vector<double> volumes(static_cast<std::size_t>(components.count), 0.0);
+  std::vector<bool> is_closed(static_cast<std::size_t>(components.count), true);
+  std::vector<std::array<std::int32_t, 2>> edges;
+  for (const Triangle& t : triangles) {
+    const auto corner = [&](std::size_t i) {
+      return Eigen::Vector3d(positions.row(t[i]).cast<double>() - positions.row(0).cast<double>());
+    };
+    volumes[component_of(t[0])] += corner(0).dot(corner(1).cross(corner(2)));
+    for (std::size_t i = 0; i < 3; ++i) edges.push_back({t[i], t[(i + 1) % 3]});
+  }
+  std::sort(edges.begin(), edges.end());
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    const auto& [a, b] = edges[e];
+    const bool is_repeated = e > 0 && edges[e] == edges[e - 1];
+    if (is_repeated || !std::binary_search(edges.begin(), edges.end(), std::array{b, a})) {
+      is_closed[component_of(a)] = false;
+    }
+  }
+  const auto rest = std::stable_partition(triangles.begin(), triangles.end(), [&](const Triangle& t) {
+    return is_closed[component_of(t[0])] && volumes[component_of(t[0])] > 0.0;
+  });
+  return static_cast<std::size_t>(rest - triangles.begin());
+}
+
 struct Rectangle {
   int x = 0;
   int y = 0;
   int width = 0;
   int height = 0;
+};
+
+// The light on the floor, and where it is not full.
+struct FloorLight {
+  Eigen::Matrix<double, 2, 3> texture_from_ground = Eigen::Matrix<double, 2, 3>::Zero();  // from (x, z, 1)
+  std::vector<Eigen::Vector2d> outline;  // (x, z); all about the anchor
 };
 
 }  // namespace
@@ -129,12 +170,18 @@ struct SequenceRenderer::Impl {
     check_limits();
     make_buffers();
     make_targets();
-    floor_program = std::make_unique<Program>(shaders::screen_vertex, shaders::floor_light_fragment);
-    floor_program->use();
-    floor_program->set("taps", disk_taps());
+    floor_light_program = std::make_unique<Program>(shaders::screen_vertex, shaders::floor_light_fragment);
+    floor_light_program->use();
+    floor_light_program->set("taps", disk_taps());
+    floor_light_program->set("search_radius", shadow_reach);
     average_program = std::make_unique<Program>(shaders::screen_vertex, shaders::average_fragment);
     shadow_program = std::make_unique<Program>(shaders::shadow_vertex, shaders::empty_fragment);
-    backdrop_program = std::make_unique<Program>(shaders::backdrop_vertex, shaders::backdrop_fragment);
+    sky_program = std::make_unique<Program>(shaders::backdrop_vertex, shaders::sky_fragment);
+    const std::string floor = shaders::floor_fragment;
+    lit_floor_program =
+        std::make_unique<Program>(shaders::backdrop_vertex, (shaders::lit_floor_head + floor).c_str());
+    plain_floor_program =
+        std::make_unique<Program>(shaders::backdrop_vertex, (shaders::plain_floor_head + floor).c_str());
     surface_program = std::make_unique<Program>(shaders::surface_vertex, shaders::surface_fragment);
     composite_program = std::make_unique<Program>(shaders::screen_vertex, shaders::composite_fragment);
   }
@@ -170,7 +217,9 @@ struct SequenceRenderer::Impl {
                             is_color ? GL_TRUE : GL_FALSE, 0, nullptr);
       glEnableVertexAttribArray(location);
     }
-    const auto& triangles = sequence.topology()->triangles;
+    std::vector<Triangle> triangles = sequence.topology()->triangles;
+    enclosing_index_count =
+        static_cast<GLsizei>(3 * enclosing_first(triangles, *sequence.topology(), sequence.frame(0)));
     glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, buffers[3]);
     glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(triangles.size() * sizeof(Triangle)),
                  triangles.data(), GL_STATIC_DRAW);
@@ -254,6 +303,17 @@ struct SequenceRenderer::Impl {
     }
   }
 
+  // Leaves out inner sides that nobody can see: half the work.
+  void draw_triangles() const {
+    glEnable(GL_CULL_FACE);
+    glDrawElements(GL_TRIANGLES, enclosing_index_count, GL_UNSIGNED_INT, nullptr);
+    glDisable(GL_CULL_FACE);
+    const std::size_t offset = sizeof(GLuint) * static_cast<std::size_t>(enclosing_index_count);
+    // OpenGL takes offsets into a buffer as pointers. NOLINTNEXTLINE(performance-no-int-to-ptr)
+    const auto* rest = reinterpret_cast<const void*>(offset);
+    glDrawElements(GL_TRIANGLES, index_count - enclosing_index_count, GL_UNSIGNED_INT, rest);
+  }
+
   // Depths of the frame as the key light sees them. Returns light clip space from the world; the window moves
   // in whole texels, so that shadow edges do not crawl.
   Eigen::Matrix4d draw_shadow_map(std::size_t frame_idx) {
@@ -278,7 +338,7 @@ struct SequenceRenderer::Impl {
     glClear(GL_DEPTH_BUFFER_BIT);
     shadow_program->use();
     shadow_program->set("light_from_world", light_from_world);
-    glDrawElements(GL_TRIANGLES, index_count, GL_UNSIGNED_INT, nullptr);
+    draw_triangles();
     return light_from_world;
   }
 
@@ -289,9 +349,8 @@ struct SequenceRenderer::Impl {
     return m;
   }
 
-  // Fills `floor_light`; returns its texture coordinates from (x, z, 1) about the anchor on the floor.
-  Eigen::Matrix<double, 2, 3> draw_floor_light(std::size_t frame_idx,
-                                               const Eigen::Matrix4d& shadow_from_world) {
+  // Fills `floor_lights` where the frame's shadow may fall.
+  FloorLight draw_floor_light(std::size_t frame_idx, const Eigen::Matrix4d& shadow_from_world) {
     const Eigen::Vector3d anchor = path.anchor(frame_idx);
     // On the floor, texture x, y and depth are affine in the ground's x, z.
     Eigen::Matrix3d shadow_from_ground;
@@ -301,20 +360,46 @@ struct SequenceRenderer::Impl {
         shadow_from_world.block<3, 3>(0, 0) * anchor + shadow_from_world.block<3, 1>(0, 3);
     Eigen::Matrix3d unit_from_ground = shadow_from_ground;
     unit_from_ground.row(2) << 0.0, 0.0, 1.0;
-    const Eigen::Vector3d floor_depth = (shadow_from_ground.row(2) * unit_from_ground.inverse()).transpose();
+    const Eigen::Matrix3d ground_from_unit = unit_from_ground.inverse();
+    const Eigen::Vector3d floor_depth = (shadow_from_ground.row(2) * ground_from_unit).transpose();
 
-    glBindFramebuffer(GL_FRAMEBUFFER, floor_light_targets[0]);
+    // As the light sees it, the shadow hides behind the character, but for its soft edge.
+    const PositionsView positions = sequence.frame(frame_idx);
+    Eigen::Array2d low = Eigen::Array2d::Constant(INFINITY);
+    Eigen::Array2d high = Eigen::Array2d::Constant(-INFINITY);
+    for (Eigen::Index v = 0; v < positions.rows(); ++v) {
+      const Eigen::Vector3d p = positions.row(v).cast<double>();
+      if (!p.allFinite()) continue;
+      const Eigen::Array2d unit =
+          shadow_from_world.block<2, 3>(0, 0) * p + shadow_from_world.block<2, 1>(0, 3);
+      low = low.min(unit);
+      high = high.max(unit);
+    }
+    if (!(low.x() < INFINITY)) return {};
+    const double margin = 0.5 * shadow_reach / path.light_window().half_size + 3.0 / floor_light_size;
+    low -= margin;
+    high += margin;
+    const Eigen::Array2i first = (low * floor_light_size).floor().cast<int>();
+    const Eigen::Array2i size = (high * floor_light_size).ceil().cast<int>() - first;
+
+    const GLfloat full[] = {1.0F, 1.0F, 1.0F, 1.0F};
+    for (const GLuint target : {floor_light_targets[1], floor_light_targets[0]}) {
+      glBindFramebuffer(GL_FRAMEBUFFER, target);
+      glClearBufferfv(GL_COLOR, 0, full);
+    }
     glViewport(0, 0, floor_light_size, floor_light_size);
     glDisable(GL_DEPTH_TEST);
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(first.x(), first.y(), size.x(), size.y());
     glActiveTexture(GL_TEXTURE0);
     glBindTexture(GL_TEXTURE_2D, shadow_texture);
     glBindSampler(0, 0);
-    floor_program->use();
-    floor_program->set("depths", 0);
-    floor_program->set("half_size", path.light_window().half_size);
-    floor_program->set("depth_range", path.light_window().far - path.light_window().near);
-    floor_program->set("floor_depth", floor_depth);
-    floor_program->set("light_height", -path.light().forward.y());
+    floor_light_program->use();
+    floor_light_program->set("depths", 0);
+    floor_light_program->set("half_size", path.light_window().half_size);
+    floor_light_program->set("depth_range", path.light_window().far - path.light_window().near);
+    floor_light_program->set("floor_depth", floor_depth);
+    floor_light_program->set("light_height", -path.light().forward.y());
     glDrawArrays(GL_TRIANGLES, 0, 3);
 
     glBindFramebuffer(GL_FRAMEBUFFER, floor_light_targets[1]);
@@ -323,37 +408,102 @@ struct SequenceRenderer::Impl {
     average_program->set("source", 0);
     average_program->set("half_texel", 0.5 / floor_light_size);
     glDrawArrays(GL_TRIANGLES, 0, 3);
+    glDisable(GL_SCISSOR_TEST);
+
+    FloorLight light;
     // A mean lies half a texel beyond the first of its texels.
-    Eigen::Matrix<double, 2, 3> floor_light_from_ground = unit_from_ground.topRows<2>();
-    floor_light_from_ground.col(2).array() -= 0.5 / floor_light_size;
-    return floor_light_from_ground;
+    light.texture_from_ground = unit_from_ground.topRows<2>();
+    light.texture_from_ground.col(2).array() -= 0.5 / floor_light_size;
+    for (const double x : {low.x(), high.x()}) {
+      for (const double y : {low.y(), high.y()}) {
+        light.outline.emplace_back((ground_from_unit * Eigen::Vector3d(x, y, 1.0)).head<2>());
+      }
+    }
+    return light;
   }
 
-  void draw_backdrop(std::size_t frame_idx, const View& view,
-                     const Eigen::Matrix<double, 2, 3>& floor_light_from_ground) {
+  void draw_backdrop(std::size_t frame_idx, const View& view, const FloorLight& light) {
     const Eigen::Vector3d anchor = path.anchor(frame_idx);
     const double eye_height = view.eye.y() - path.ground_height();
     const Eigen::Vector2d eye_ground(view.eye.x(), view.eye.z());
+    const Eigen::Vector2d eye_from_anchor = eye_ground - Eigen::Vector2d(anchor.x(), anchor.z());
+    // The camera never rolls: the rows of the picture below the horizon are floor. Seen from below, a floor
+    // would only hide the character.
+    int floor_rows = 0;
+    if (options.floor && eye_height > 0.0) {
+      const double horizon = (-1e-4 - view.forward.y()) / (path.tan_half_height() * view.up.y());
+      floor_rows = static_cast<int>(
+          std::clamp(std::ceil((0.5 + 0.5 * horizon) * options.height - 0.5), 0.0, 1.0 * options.height));
+    }
+    Rectangle lit = pixels_around(view, eye_from_anchor, eye_height, light.outline);
+    lit.y = std::min(lit.y, floor_rows);
+    lit.height = std::min(lit.height, floor_rows - lit.y);
+
     glBindFramebuffer(GL_FRAMEBUFFER, picture_target);
     glViewport(0, 0, options.width, options.height);
     glDisable(GL_DEPTH_TEST);
+    glEnable(GL_SCISSOR_TEST);
     glActiveTexture(GL_TEXTURE0);
     glBindTexture(GL_TEXTURE_2D, floor_lights[1]);
     glBindSampler(0, 0);
-    backdrop_program->use();
-    backdrop_program->set("floor_light", 0);
-    backdrop_program->set("ray_middle", view.forward);
-    backdrop_program->set("ray_right", Eigen::Vector3d(path.tan_half_width() * view.right));
-    backdrop_program->set("ray_up", Eigen::Vector3d(path.tan_half_height() * view.up));
-    backdrop_program->set("eye_height", eye_height);
-    backdrop_program->set("eye_ground", Eigen::Vector2d(eye_ground.array() - eye_ground.array().floor()));
-    backdrop_program->set("eye_from_anchor",
-                          Eigen::Vector2d(eye_ground - Eigen::Vector2d(anchor.x(), anchor.z())));
-    backdrop_program->set("fade_scale", 0.28 / (path.distance() * path.distance()));
-    backdrop_program->set("floor_light_from_ground", floor_light_from_ground);
-    // Seen from below, a floor would only hide the character.
-    backdrop_program->set("has_floor", options.floor && eye_height > 0.0 ? 1 : 0);
-    glDrawArrays(GL_TRIANGLES, 0, 3);
+    const auto use = [&](Program& program) {
+      program.use();
+      program.set("ray_middle", view.forward);
+      program.set("ray_right", Eigen::Vector3d(path.tan_half_width() * view.right));
+      program.set("ray_up", Eigen::Vector3d(path.tan_half_height() * view.up));
+      program.set("eye_height", eye_height);
+      program.set("eye_ground", Eigen::Vector2d(eye_ground.array() - eye_ground.array().floor()));
+      program.set("eye_from_anchor", eye_from_anchor);
+      program.set("fade_scale", 0.28 / (path.distance() * path.distance()));
+    };
+    const auto fill = [](const Rectangle& area) {
+      glScissor(area.x, area.y, area.width, area.height);
+      glDrawArrays(GL_TRIANGLES, 0, 3);
+    };
+    const int lit_right = lit.x + lit.width;
+    const int lit_top = lit.y + lit.height;
+    use(*sky_program);
+    fill({0, floor_rows, options.width, options.height - floor_rows});
+    use(*plain_floor_program);
+    fill({0, 0, options.width, lit.y});
+    fill({0, lit_top, options.width, floor_rows - lit_top});
+    fill({0, lit.y, lit.x, lit.height});
+    fill({lit_right, lit.y, options.width - lit_right, lit.height});
+    use(*lit_floor_program);
+    lit_floor_program->set("floor_light", 0);
+    lit_floor_program->set("floor_light_from_ground", light.texture_from_ground);
+    fill(lit);
+    glDisable(GL_SCISSOR_TEST);
+  }
+
+  // From directions over depth, bounds of x and y, to the pixels there, with a margin for anti-aliasing.
+  Rectangle pixels_between(const Eigen::Array2d& low, const Eigen::Array2d& high) const {
+    const auto pixel = [](double slope, double half_tangent, int size) {
+      return static_cast<int>(std::clamp((0.5 + 0.5 * slope / half_tangent) * size, -2.0, size + 2.0));
+    };
+    const int left = std::max(pixel(low.x(), path.tan_half_width(), options.width) - 2, 0);
+    const int bottom = std::max(pixel(low.y(), path.tan_half_height(), options.height) - 2, 0);
+    const int right = std::min(pixel(high.x(), path.tan_half_width(), options.width) + 3, options.width);
+    const int top = std::min(pixel(high.y(), path.tan_half_height(), options.height) + 3, options.height);
+    return {left, bottom, std::max(right - left, 0), std::max(top - bottom, 0)};
+  }
+
+  // The part of the picture that a polygon on the ground covers, (x, z) about the anchor.
+  Rectangle pixels_around(const View& view, const Eigen::Vector2d& eye_from_anchor, double eye_height,
+                          const std::vector<Eigen::Vector2d>& polygon) const {
+    if (polygon.empty()) return {};
+    Eigen::Array2d low = Eigen::Array2d::Constant(INFINITY);
+    Eigen::Array2d high = Eigen::Array2d::Constant(-INFINITY);
+    for (const Eigen::Vector2d& point : polygon) {
+      const Eigen::Vector2d ground = point - eye_from_anchor;
+      const Eigen::Vector3d p(ground.x(), -eye_height, ground.y());
+      const double depth = view.forward.dot(p);
+      if (!(depth > 1e-3 * path.distance())) return {0, 0, options.width, options.height};  // beside the eye
+      const Eigen::Array2d slope = Eigen::Array2d(view.right.dot(p), view.up.dot(p)) / depth;
+      low = low.min(slope);
+      high = high.max(slope);
+    }
+    return pixels_between(low, high);
   }
 
   // The part of the picture that the frame's vertices cover, with a margin for anti-aliasing; and their
@@ -372,21 +522,14 @@ struct SequenceRenderer::Impl {
       if (!p.allFinite()) continue;
       near = std::min(near, p.z());
       far = std::max(far, p.z());
-      const Eigen::Array2f ndc = p.head<2>().array() / std::max(p.z(), 1e-6F);
-      low = low.min(ndc);
-      high = high.max(ndc);
+      const Eigen::Array2f slope = p.head<2>().array() / std::max(p.z(), 1e-6F);
+      low = low.min(slope);
+      high = high.max(slope);
     }
     *nearest = near;
     *farthest = far;
     if (!(near < INFINITY)) return {};
-    const auto pixel = [](double ndc, double half_tangent, int size) {
-      return static_cast<int>(std::clamp((0.5 + 0.5 * ndc / half_tangent) * size, -2.0, size + 2.0));
-    };
-    const int left = std::max(pixel(low.x(), path.tan_half_width(), options.width) - 2, 0);
-    const int bottom = std::max(pixel(low.y(), path.tan_half_height(), options.height) - 2, 0);
-    const int right = std::min(pixel(high.x(), path.tan_half_width(), options.width) + 3, options.width);
-    const int top = std::min(pixel(high.y(), path.tan_half_height(), options.height) + 3, options.height);
-    return {left, bottom, std::max(right - left, 0), std::max(top - bottom, 0)};
+    return pixels_between(low.cast<double>(), high.cast<double>());
   }
 
   void draw_character(std::size_t frame_idx, const View& view, const Eigen::Matrix4d& shadow_from_world) {
@@ -428,7 +571,7 @@ struct SequenceRenderer::Impl {
     surface_program->set("to_light", Eigen::Vector3d(-path.light().forward));
     // From beside the camera, opposite to the key light.
     surface_program->set("to_fill", Eigen::Vector3d((view.right * 0.8 - view.forward * 0.6).normalized()));
-    glDrawElements(GL_TRIANGLES, index_count, GL_UNSIGNED_INT, nullptr);
+    draw_triangles();
 
     glBindFramebuffer(GL_READ_FRAMEBUFFER, character_target);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, layer_target);
@@ -477,6 +620,7 @@ struct SequenceRenderer::Impl {
   GLuint normal_buffer = 0;
   GLuint color_buffer = 0;
   GLsizei index_count = 0;
+  GLsizei enclosing_index_count = 0;  // the first ones
   GLuint shadow_texture = 0;
   GLuint shadow_target = 0;
   GLuint compare_sampler = 0;
@@ -487,9 +631,11 @@ struct SequenceRenderer::Impl {
   GLuint layer_target = 0;
   GLuint character_target = 0;
   std::unique_ptr<Program> shadow_program;
-  std::unique_ptr<Program> floor_program;
+  std::unique_ptr<Program> floor_light_program;
   std::unique_ptr<Program> average_program;
-  std::unique_ptr<Program> backdrop_program;
+  std::unique_ptr<Program> sky_program;
+  std::unique_ptr<Program> lit_floor_program;
+  std::unique_ptr<Program> plain_floor_program;
   std::unique_ptr<Program> surface_program;
   std::unique_ptr<Program> composite_program;
   std::vector<std::uint8_t> pixels;
@@ -514,9 +660,9 @@ Image SequenceRenderer::draw(std::size_t frame_idx) {
   impl.upload_frame(frame_idx);
   const View view = impl.path.view(frame_idx);
   const Eigen::Matrix4d shadow_from_world = Impl::unit_from_clip() * impl.draw_shadow_map(frame_idx);
-  Eigen::Matrix<double, 2, 3> floor_light_from_ground = Eigen::Matrix<double, 2, 3>::Zero();
-  if (impl.options.floor) floor_light_from_ground = impl.draw_floor_light(frame_idx, shadow_from_world);
-  impl.draw_backdrop(frame_idx, view, floor_light_from_ground);
+  FloorLight light;
+  if (impl.options.floor) light = impl.draw_floor_light(frame_idx, shadow_from_world);
+  impl.draw_backdrop(frame_idx, view, light);
   impl.draw_character(frame_idx, view, shadow_from_world);
   Image image = impl.read_picture();
   if (const GLenum error = glGetError(); error != GL_NO_ERROR) {

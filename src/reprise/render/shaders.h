@@ -41,7 +41,7 @@ uniform float half_size;       // of the window, metres
 uniform float depth_range;     // metres
 uniform vec3 floor_depth;      // depth of the floor at unit (x, y): dot(floor_depth, (x, y, 1))
 uniform float light_height;    // sine of the light's elevation
-const float search_radius = 0.13;
+uniform float search_radius;   // metres
 void main() {
   float floor_here = dot(floor_depth, vec3(unit, 1.0));
   float to_unit = 0.5 / half_size;
@@ -93,52 +93,68 @@ void main() {
 }
 )";
 
-// Backdrop and floor in one pass, by meeting each view ray with the plane: nothing to clip, nothing to fight
-// over depth. Colours are mixed in sRGB; they are nearly grey.
-inline constexpr const char* backdrop_fragment = R"(#version 330 core
+// The studio above the horizon. Colours of the backdrop are mixed in sRGB; they are nearly grey.
+inline constexpr const char* sky_fragment = R"(#version 330 core
 in vec3 ray;
 out vec4 result;
+const vec3 horizon = vec3(0.925, 0.932, 0.942);
+const vec3 zenith = vec3(0.800, 0.820, 0.848);
+void main() {
+  float rise = min(abs(ray.y) * 1.5, 1.0);
+  vec3 color = mix(horizon, zenith, rise * rise * (3.0 - 2.0 * rise));
+  // Half a step of ordered noise hides the bands of the slow gradients.
+  float noise = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
+  result = vec4(color + (noise - 0.5) / 255.0, 1.0);
+}
+)";
+
+// The floor, by meeting each view ray with the plane: nothing to clip, nothing to fight over depth. To be
+// preceded by one of the two heads below: the look at the light costs a software renderer as much as all the
+// rest, and only a small part of the picture needs it.
+inline constexpr const char* lit_floor_head = R"(#version 330 core
 uniform sampler2D floor_light;
+uniform mat3x2 floor_light_from_ground;  // (x, z, 1) about the anchor -> texture
+vec2 light_at(vec2 about) { return texture(floor_light, floor_light_from_ground * vec3(about, 1.0)).rg; }
+)";
+inline constexpr const char* plain_floor_head = R"(#version 330 core
+vec2 light_at(vec2 about) { return vec2(1.0); }
+)";
+inline constexpr const char* floor_fragment = R"(
+in vec3 ray;
+out vec4 result;
 uniform float eye_height;        // above the floor
 uniform vec2 eye_ground;         // (x, z) modulo a metre: keeps the grid sharp far from the origin
 uniform vec2 eye_from_anchor;    // (x, z)
 uniform float fade_scale;        // per square metre
-uniform mat3x2 floor_light_from_ground;  // (x, z, 1) about the anchor -> texture
-uniform bool has_floor;
-
 const vec3 horizon = vec3(0.925, 0.932, 0.942);
-const vec3 zenith = vec3(0.800, 0.820, 0.848);
 const vec3 ground = vec3(0.862, 0.868, 0.876);
+const vec3 shadow = vec3(0.655, 0.672, 0.700);
 
-// Part of the pixel covered by lines `width` wide at every multiple of `spacing`; `pixel`: size of a pixel on the floor.
-float lines(vec2 p, vec2 pixel, float spacing, float width) {
-  vec2 to_line = abs(fract(p / spacing + 0.5) - 0.5) * spacing;
-  vec2 drawn = max(vec2(width), pixel);
-  vec2 cover = clamp((0.5 * (drawn + pixel) - to_line) / pixel, 0.0, 1.0);
-  cover *= min(vec2(width) / pixel, 1.0);                       // thinner than a pixel: paler instead
-  cover *= 1.0 - smoothstep(0.15, 0.45, pixel / spacing);       // too dense to resolve: gone before it shimmers
+// Part of the pixel covered by lines `width` wide at all whole numbers. `pixel`: its size on the floor in the
+// same unit, `per_pixel`: one over it.
+float lines(vec2 p, vec2 pixel, vec2 per_pixel, float width) {
+  vec2 to_line = abs(fract(p + 0.5) - 0.5);
+  vec2 drawn = width * per_pixel;
+  vec2 cover = clamp(0.5 * max(drawn, 1.0) + 0.5 - to_line * per_pixel, 0.0, 1.0);
+  cover *= min(drawn, 1.0);                              // thinner than a pixel: paler instead
+  cover *= 1.0 - smoothstep(0.15, 0.45, pixel);          // too dense to resolve: gone before it shimmers
   return max(cover.x, cover.y);
 }
 
 void main() {
-  float rise = min(abs(ray.y) * 1.5, 1.0);
-  vec3 color = mix(horizon, zenith, rise * rise * (3.0 - 2.0 * rise));
-  // Derivatives need every neighbour: taken outside of the branch, with the ray kept below the horizon.
   vec2 step_ground = ray.xz * (eye_height / max(-ray.y, 1e-4));
   vec2 pixel = max(fwidth(step_ground), vec2(1e-6));
-  if (has_floor && ray.y < -1e-4) {
-    vec2 p = eye_ground + step_ground;
-    vec2 about = eye_from_anchor + step_ground;
-    float fade = 1.0 / (1.0 + dot(about, about) * fade_scale);
-    fade *= fade * fade;
-    vec3 surface = ground;
-    surface *= 1.0 - 0.055 * lines(p, pixel, 0.25, 0.006) ;
-    surface *= 1.0 - 0.130 * lines(p, pixel, 1.0, 0.011);
-    vec2 light = texture(floor_light, floor_light_from_ground * vec3(about, 1.0)).rg;
-    surface *= mix(vec3(0.655, 0.672, 0.700), vec3(1.0), light.r) * mix(0.62, 1.0, light.g);
-    color = mix(horizon, surface, fade);
-  }
-  // Half a step of ordered noise hides the bands of the slow gradients.
+  vec2 per_pixel = 1.0 / pixel;
+  vec2 p = eye_ground + step_ground;
+  vec2 about = eye_from_anchor + step_ground;
+  float fade = 1.0 / (1.0 + dot(about, about) * fade_scale);
+  fade *= fade * fade;
+  vec2 light = light_at(about);
+  // Every 0.25 m, 6 mm wide; every metre, 11 mm wide.
+  float shade = 1.0 - 0.055 * lines(4.0 * p, 4.0 * pixel, 0.25 * per_pixel, 0.024);
+  shade *= 1.0 - 0.130 * lines(p, pixel, per_pixel, 0.011);
+  shade *= mix(0.62, 1.0, light.g);
+  vec3 color = mix(horizon, ground * mix(shadow, vec3(1.0), light.r) * shade, fade);
   float noise = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
   result = vec4(color + (noise - 0.5) / 255.0, 1.0);
 }

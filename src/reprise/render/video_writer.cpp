@@ -16,13 +16,13 @@ namespace {
 std::vector<std::string> encoder_arguments(const std::filesystem::path& path, int width, int height,
                                            double frames_per_second) {
   // sRGB frames become limited-range BT.709 YCbCr, and the file says so: players then show the same colours.
+  const std::string colours = "scale=in_range=full:out_range=tv:out_color_matrix=bt709";
+  const std::string filters = colours + ":flags=accurate_rnd+full_chroma_int,format=yuv420p";
   return {"ffmpeg", "-hide_banner", "-nostdin", "-y", "-loglevel", "error", "-xerror", "-f", "rawvideo",
           "-pix_fmt", "rgb24", "-video_size", fmt::format("{}x{}", width, height), "-framerate",
-          fmt::format("{}", frames_per_second), "-i", "pipe:0", "-an", "-vf",
-          "scale=in_range=full:out_range=tv:out_color_matrix=bt709:flags=accurate_rnd+full_chroma_int,format="
-          "yuv420p",
-          "-c:v", "libx264", "-preset", "medium", "-crf", "18", "-colorspace", "bt709", "-color_primaries",
-          "bt709", "-color_trc", "bt709", "-color_range", "tv", "-movflags", "+faststart", "-f", "mp4",
+          fmt::format("{}", frames_per_second), "-i", "pipe:0", "-an", "-vf", filters, "-c:v", "libx264",
+          "-preset", "veryfast", "-crf", "18", "-colorspace", "bt709", "-color_primaries", "bt709",
+          "-color_trc", "bt709", "-color_range", "tv", "-movflags", "+faststart", "-f", "mp4",
           // Absolute and with its protocol: a name such as "a:b" or "-x" is a file all the same.
           "file:" + std::filesystem::absolute(path).string()};
 }

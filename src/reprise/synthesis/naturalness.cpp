@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "reprise/core/error.h"
+#include "reprise/core/interrupt.h"
 #include "reprise/core/parallel.h"
 
 namespace reprise {
@@ -51,7 +52,9 @@ class RatioHistogram {
   RatioHistogram() : counts_(bins, 0) {}
 
   void add(double ratio) {
-    const double position = (std::log2(ratio) + octaves) / (2.0 * octaves) * static_cast<double>(bins);
+    double position = (std::log2(ratio) + octaves) / (2.0 * octaves) * static_cast<double>(bins);
+    if (std::isnan(position))
+      position = static_cast<double>(bins);  // a length that is no number is no small one
     const auto bin = static_cast<std::size_t>(std::clamp(position, 0.0, static_cast<double>(bins - 1)));
     ++counts_[bin];
     ++total_;
@@ -99,6 +102,7 @@ class EdgeStretch {
     RatioHistogram total;
     for (const MeshSequence* sequence : sequences) {
       for (std::size_t f = 0; f < sequence->frame_count(); ++f) {
+        throw_if_interrupted();
         const PositionsView frame = sequence->frame(f);
         for (std::size_t e = 0; e < edges_.size(); ++e) {
           if (lengths_[e] < shortest) continue;
@@ -194,6 +198,14 @@ std::vector<ResultFrame> resolve_origins(const MeshSequence& result, const Perfo
 
 Naturalness evaluate_naturalness(const MeshSequence& result, const PerformanceDatabase& database,
                                  const NaturalnessOptions& options) {
+  if (!(options.contact_height >= 0.0) || !std::isfinite(options.contact_height)) {
+    throw InvalidArgument(
+        fmt::format("contact height {} m: expected a finite height from 0", options.contact_height));
+  }
+  if (!(options.contact_speed > 0.0) || !std::isfinite(options.contact_speed)) {
+    throw InvalidArgument(
+        fmt::format("contact speed {} m/s: expected a finite speed above 0", options.contact_speed));
+  }
   const std::vector<ResultFrame> frames = resolve_origins(result, database);
   Naturalness report;
 

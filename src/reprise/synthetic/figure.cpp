@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "reprise/core/error.h"
+#include "reprise/core/interrupt.h"
 #include "reprise/core/parallel.h"
 #include "reprise/synthetic/figure_skin.h"
 
@@ -35,6 +36,7 @@ PerformanceDatabase make_figure(const FigureOptions& options) {
     MeshSequence clip(motion.plan().name, body.topology, frame_count, options.frames_per_second);
     const auto hem = figure::Hem::simulate(body, motion, frame_count, options.frames_per_second);
     for (std::size_t f = 0; f < frame_count; ++f) {
+      throw_if_interrupted();
       const figure::Skin skin(body, motion.pose(static_cast<double>(f) / options.frames_per_second));
       PositionsRef positions = clip.frame(f);
       for (std::size_t v = 0; v < body.points.size(); ++v) {

@@ -74,7 +74,7 @@ std::vector<ClipPlan> clip_plans() {
   const auto ramp = [](double low, double high) {
     return [low, high](double t) { return smooth_ramp(low, high, t); };
   };
-  const auto gait = [](ClipPlan::Curve jog) {
+  const auto gait = [](const ClipPlan::Curve& jog) {
     return ClipPlan{.speed = [jog](double t) { return lerp(walk_speed, jog_speed, jog(t)); },
                     .phase_rate = [jog](double t) { return lerp(1.0 / walk_cycle, 1.0 / jog_cycle, jog(t)); },
                     .jog = jog};

@@ -16,7 +16,7 @@ constexpr double upper_arm_length = 0.275;
 constexpr double forearm_length = 0.245;
 
 Eigen::Vector3d left_position(int joint) {
-  const Eigen::Vector3d shoulder(0.172, 1.392, -0.005);
+  Eigen::Vector3d shoulder(0.172, 1.392, -0.005);
   const Eigen::Vector3d along(std::sin(arm_angle), -std::cos(arm_angle), 0.0);
   switch (joint) {
     case pelvis:
