@@ -3,6 +3,7 @@
 
 #include "reprise/render/renderer.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <thread>
@@ -156,6 +157,78 @@ TEST(SequenceRenderer, AnOpenSurfaceIsLitFromBothSides) {
     RenderOptions options = small;
     options.camera_pitch_degrees = pitch;
     EXPECT_TRUE(is_red(pixel(SequenceRenderer(sheet, options).draw(0), 160, 90))) << pitch;
+  }
+}
+
+// The same surface with other triangles, in the same place.
+MeshSequence rebuilt(const MeshSequence& sequence, const std::vector<Triangle>& triangles) {
+  Topology topology = *sequence.topology();
+  topology.triangles = triangles;
+  MeshSequence result(sequence.name(), std::make_shared<const Topology>(std::move(topology)), 1, 25.0);
+  result.frame(0) = sequence.frame(0);
+  return painted(std::move(result), {220, 20, 20});
+}
+
+TEST(SequenceRenderer, AClosedSurfaceLooksTheSameWhetherOrNotItsInnerSidesAreDrawn) {
+  const MeshSequence closed = ball({220, 20, 20});
+  const Image reference = SequenceRenderer(closed, small).draw(0);
+  ASSERT_TRUE(is_red(pixel(reference, 160, 90)));
+
+  std::vector<Triangle> triangles = closed.topology()->triangles;
+  // Behind the ball as the camera sees it: (sin 35, 0, cos 35) points to the camera.
+  const auto hidden = std::find_if(triangles.begin(), triangles.end(), [&](const Triangle& t) {
+    const Eigen::Vector3f p = closed.frame(0).row(t[0]);
+    return p.x() < -0.4F && p.z() < -0.6F && std::abs(p.y() - 1.0F) < 0.2F;
+  });
+  ASSERT_NE(hidden, triangles.end());
+  triangles.erase(hidden);
+  EXPECT_LT(mean_difference(SequenceRenderer(rebuilt(closed, triangles), small).draw(0), reference), 0.05)
+      << "open: both sides are drawn";
+
+  triangles = closed.topology()->triangles;
+  for (Triangle& t : triangles) std::swap(t[1], t[2]);
+  EXPECT_LT(mean_difference(SequenceRenderer(rebuilt(closed, triangles), small).draw(0), reference), 0.05)
+      << "inside out";
+}
+
+TEST(SequenceRenderer, AnOpenSurfaceBesideAClosedOneIsStillSeenFromInside) {
+  const MeshSequence closed = ball({220, 20, 20});
+  Topology topology = *closed.topology();
+  const std::int32_t first = topology.vertex_count;
+  topology.vertex_count += 3;
+  topology.triangles.insert(topology.triangles.begin(), Triangle{first, first + 2, first + 1});
+  MeshSequence sequence("both", std::make_shared<const Topology>(std::move(topology)), 1, 25.0);
+  sequence.frame(0).topRows(first) = closed.frame(0);
+  // Before the ball, its back to the camera at +Z.
+  sequence.frame(0).bottomRows(3) << -1.0F, 0.2F, 1.5F, 1.0F, 0.2F, 1.5F, 0.0F, 1.9F, 1.5F;
+  std::vector<Color> colors(sequence.vertex_count(), Color{60, 60, 60});
+  std::fill(colors.end() - 3, colors.end(), Color{220, 20, 20});
+  sequence.set_colors(colors);
+  RenderOptions options = small;
+  options.camera = CameraMode::front;
+  EXPECT_TRUE(is_red(pixel(SequenceRenderer(sequence, options).draw(0), 160, 90)));
+}
+
+TEST(SequenceRenderer, TheShadowIsWholeHoweverSmallThePartOfTheFloorThatIsLookedAt) {
+  // A speck, hidden inside of the ball in frame 0 and far to its side in frame 1, stretches what may be in
+  // shadow; the camera stands still.
+  const test::Shape shape = test::sphere(4);
+  Topology topology = *shape.topology;
+  const std::int32_t first = topology.vertex_count;
+  topology.vertex_count += 3;
+  topology.triangles.push_back({first, first + 1, first + 2});
+  MeshSequence sequence("ball and speck", std::make_shared<const Topology>(std::move(topology)), 2, 25.0);
+  for (std::size_t f = 0; f < 2; ++f) {
+    sequence.frame(f).topRows(first) = shape.positions;
+    const float x = f == 0 ? 0.0F : 2.0F;
+    sequence.frame(f).bottomRows(3) << x, 1.0F, 0.0F, x + 1e-3F, 1.0F, 0.0F, x, 1.001F, 0.0F;
+  }
+  for (const double pitch : {12.0, 35.0, 85.0}) {
+    RenderOptions options = small;
+    options.camera = CameraMode::fixed;
+    options.camera_pitch_degrees = pitch;
+    SequenceRenderer renderer(sequence, options);
+    EXPECT_LT(mean_difference(renderer.draw(0), renderer.draw(1)), 0.02) << pitch;
   }
 }
 
