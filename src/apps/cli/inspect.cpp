@@ -5,8 +5,11 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "command.h"
@@ -31,12 +34,27 @@ Action add_info(CLI::App& command) {
                info["vertices"].get<int>(), info["triangles"].get<int>(),
                info["texture_coordinates"].get<bool>() ? ", texture coordinates" : "",
                info["frames"].get<int>());
+    if (const nlohmann::json& texture = info["texture"]; !texture.is_null()) {
+      fmt::print("  texture  {} x {} pixels\n", texture["width"].get<int>(), texture["height"].get<int>());
+    }
+    if (const nlohmann::json& markup = info["markup"]; !markup.is_null()) {
+      for (const char* kind : {"joints", "parts", "layers"}) {
+        const nlohmann::json& items = markup[kind];
+        if (items.empty()) continue;
+        std::vector<std::string> texts;
+        for (const nlohmann::json& item : items) {
+          texts.push_back(
+              fmt::format("{} ({})", item["name"].get<std::string>(), item["vertices"].get<int>()));
+        }
+        fmt::print("  {} {}: {}\n", items.size(), kind, fmt::join(texts, ", "));
+      }
+    }
     for (const nlohmann::json& clip : info["clips"]) {
-      fmt::print("  {:<20} {:>6} frames  {:>7.2f} s at {:g} fps{}{}{}\n", clip["name"].get<std::string>(),
-                 clip["frames"].get<int>(), clip["seconds"].get<double>(),
-                 clip["frames_per_second"].get<double>(), clip["colors"].get<bool>() ? "  colours" : "",
-                 clip["normals"].get<bool>() ? "  normals" : "",
-                 clip["provenance"].get<bool>() ? "  generated" : "");
+      fmt::print(
+          "  {:<20} {:>6} frames  {:>7.2f} s at {:g} fps{}{}{}{}\n", clip["name"].get<std::string>(),
+          clip["frames"].get<int>(), clip["seconds"].get<double>(), clip["frames_per_second"].get<double>(),
+          clip["colors"].get<bool>() ? "  colours" : "", clip["normals"].get<bool>() ? "  normals" : "",
+          clip["provenance"].get<bool>() ? "  generated" : "", clip["truth"].get<bool>() ? "  truth" : "");
     }
     return exit_success;
   };

@@ -65,6 +65,7 @@ Action add_keyframes(CLI::App& command) {
     if (!result) throw Error("no path: " + result.error().reason);
 
     DatabaseWriter writer(arguments->output, database.topology());
+    if (database.markup()) writer.set_markup(*database.markup());
     writer.write_clip(result->animation);
     writer.set_note(result->report.dump());
     writer.commit();

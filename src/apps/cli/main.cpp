@@ -28,6 +28,8 @@ constexpr std::array commands = {
     Command{"info", "say what a database holds", reprise::cli::add_info},
     Command{"validate", "look for what is wrong with a database or a folder of frames",
             reprise::cli::add_validate},
+    Command{"markup", "say what bones and parts the vertices belong to", reprise::cli::add_markup},
+    Command{"skeleton", "follow the skeleton through the clips", reprise::cli::add_skeleton},
     Command{"similarity", "compare all pairs of frames", reprise::cli::add_similarity},
     Command{"graph", "find transitions between clips", reprise::cli::add_graph},
     Command{"keyframes", "make a new animation through key-frames", reprise::cli::add_keyframes},

@@ -22,6 +22,8 @@ Action add_render(CLI::App& command) {
     std::string clip;
     std::string size = "1280x720";
     std::string camera = "follow";
+    std::string appearance = "auto";
+    std::string look_at;
     std::string frames;
     bool no_floor = false;
     RenderStageOptions options;
@@ -40,6 +42,13 @@ Action add_render(CLI::App& command) {
                      "direction of the camera about the character, degrees; 0: from +Z");
   command.add_option("--pitch", view.camera_pitch_degrees, "height of the camera above the horizon, degrees");
   command.add_option("--field-of-view", view.field_of_view_degrees, "vertical, degrees");
+  command.add_option("--zoom", view.zoom, "enlarges the picture; 1 shows the whole character");
+  command.add_option("--look-at", arguments->look_at,
+                     "middle of the enlarged picture, ACROSS,UP in heights of the character, from below its "
+                     "middle: 0,0.93 is the face, 0,0.03 the feet");
+  command.add_option(
+      "--appearance", arguments->appearance,
+      "auto (texture if there is one, else vertex colours, else plain), texture, colors or plain");
   command.add_option("--samples", view.samples, "samples per pixel against jagged edges");
   command.add_flag("--no-floor", arguments->no_floor, "draw no floor");
   command.add_option("--frames", arguments->frames, "which frames: FIRST:LAST or FIRST:LAST:STEP");
@@ -51,6 +60,8 @@ Action add_render(CLI::App& command) {
     parse_size(arguments->size, options.view);
     options.view.camera = parse_camera(arguments->camera);
     options.view.floor = !arguments->no_floor;
+    options.view.appearance = parse_appearance(arguments->appearance);
+    if (!arguments->look_at.empty()) parse_look_at(arguments->look_at, options.view);
     if (!arguments->frames.empty()) options.frames = parse_frame_range(arguments->frames);
     const MeshSequence clip = open_clip(arguments->database, arguments->clip);
     const RenderReport report = render_sequence(clip, arguments->output, options);

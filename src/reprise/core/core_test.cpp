@@ -5,6 +5,7 @@
 #include <atomic>
 #include <csignal>
 #include <fstream>
+#include <set>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -17,6 +18,7 @@
 #include "reprise/core/interrupt.h"
 #include "reprise/core/parallel.h"
 #include "reprise/core/progress.h"
+#include "reprise/core/random.h"
 #include "reprise/core/text.h"
 #include "support/test_data.h"
 
@@ -339,6 +341,39 @@ TEST(ParallelFor, StopsWhenTheUserAsksTo) {
   const Interruption interruption;
   Progress progress("test", 100);
   EXPECT_THROW(parallel_for(0, 100, [&](std::size_t) { progress.advance(); }), Cancelled);
+}
+
+TEST(RandomField, NormalNumbersHaveTheirMoments) {
+  const RandomField random(11);
+  double sum = 0.0;
+  double squares = 0.0;
+  double product = 0.0;
+  constexpr int count = 100000;
+  for (std::uint64_t k = 0; k < count; ++k) {
+    const auto [a, b] = random.normal_pair(k, 3);
+    sum += a + b;
+    squares += a * a + b * b;
+    product += a * b;
+  }
+  // Five standard errors of 2 x 10^5 numbers.
+  EXPECT_NEAR(sum / (2 * count), 0.0, 0.011);
+  EXPECT_NEAR(squares / (2 * count), 1.0, 0.016);
+  EXPECT_NEAR(product / count, 0.0, 0.016);
+}
+
+TEST(RandomField, KeysSeedsAndBranchesGiveOtherNumbersAndTheSameOnesAgain) {
+  const RandomField random(5);
+  EXPECT_EQ(random.uniform(7, 9), RandomField(5).uniform(7, 9));
+  std::set<double> numbers;
+  for (std::uint64_t k = 0; k < 1000; ++k) {
+    for (const double x : {random.uniform(k), random.uniform(0, k + 1), random.branch(k).uniform(0),
+                           RandomField(k + 6).uniform(0)}) {
+      EXPECT_GT(x, 0.0);
+      EXPECT_LT(x, 1.0);
+      numbers.insert(x);
+    }
+  }
+  EXPECT_EQ(numbers.size(), 4000U);
 }
 
 }  // namespace

@@ -15,6 +15,23 @@
 
 namespace reprise {
 
+namespace {
+
+// Does a database gain by looking like `offered` instead of `current`, the same surface?
+bool adds_appearance(const Topology& current, const Topology& offered) {
+  if (!current.has_uvs()) return offered.has_uvs();
+  return !current.texture && offered.texture && current.uvs == offered.uvs &&
+         current.triangle_uvs == offered.triangle_uvs;
+}
+
+bool is_same(const Skeleton& a, const Skeleton& b) {
+  return std::ranges::equal(a.joints, b.joints, [](const Joint& p, const Joint& q) {
+    return p.name == q.name && p.parent == q.parent && p.rest_position == q.rest_position;
+  });
+}
+
+}  // namespace
+
 void PerformanceDatabase::add(MeshSequence clip) {
   const std::string& name = clip.name();
   if (name.empty() || name == "." || name == ".." || name.find_first_of(":/") != std::string::npos) {
@@ -33,7 +50,7 @@ void PerformanceDatabase::add(MeshSequence clip) {
     if (!difference.empty()) {
       throw InvalidArgument("all clips of a database share one topology, but " + difference);
     }
-    if (!topology_->has_uvs() && clip.topology()->has_uvs()) {
+    if (adds_appearance(*topology_, *clip.topology())) {
       topology_ = clip.topology();
       for (MeshSequence& earlier : clips_) earlier.share_topology(topology_);
     }
@@ -42,6 +59,7 @@ void PerformanceDatabase::add(MeshSequence clip) {
   first_frames_.push_back(frame_count_);
   frame_count_ += clip.frame_count();
   clips_.push_back(std::move(clip));
+  truths_.emplace_back();
 }
 
 const MeshSequence& PerformanceDatabase::clip(std::size_t clip_idx) const {
@@ -109,6 +127,36 @@ double PerformanceDatabase::frames_per_second() const {
     }
   }
   return clips_.front().frames_per_second();
+}
+
+void PerformanceDatabase::set_markup(std::optional<Markup> markup) {
+  if (markup) {
+    if (!topology_) throw InvalidArgument("a markup needs a database with a clip: it labels the vertices");
+    validate(*markup, topology_->vertex_count);
+  }
+  if (!markup || !markup_ || !is_same(markup->skeleton, markup_->skeleton)) {
+    for (std::optional<ClipTruth>& truth : truths_) truth.reset();
+  }
+  markup_ = std::move(markup);
+}
+
+const ClipTruth* PerformanceDatabase::truth(std::size_t clip_idx) const {
+  clip(clip_idx);  // checks the index
+  return truths_[clip_idx] ? &*truths_[clip_idx] : nullptr;
+}
+
+void PerformanceDatabase::set_truth(std::size_t clip_idx, ClipTruth truth) {
+  const MeshSequence& c = clip(clip_idx);
+  if (!markup_) {
+    throw InvalidArgument(fmt::format(
+        "clip '{}': a truth needs a markup, whose skeleton its poses are poses of; there is none", c.name()));
+  }
+  try {
+    validate(truth, markup_->skeleton, c.frame_count());
+  } catch (const InvalidArgument& error) {
+    throw InvalidArgument(fmt::format("clip '{}': {}", c.name(), error.what()));
+  }
+  truths_[clip_idx] = std::move(truth);
 }
 
 std::string PerformanceDatabase::content_hash() const {

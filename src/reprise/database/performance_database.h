@@ -5,9 +5,11 @@
 
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "reprise/database/markup.h"
 #include "reprise/sequence/mesh_sequence.h"
 
 namespace reprise {
@@ -24,7 +26,8 @@ class PerformanceDatabase {
   // Adds a clip. Throws `InvalidArgument` if it has no frames, if its name is empty, "." or "..", holds ':'
   // or '/', or is taken, or if its topology is not that of the clips before it (says the first difference).
   // Equal topologies become one shared object: the first that has texture coordinates, for a clip without
-  // them gains by sharing.
+  // them gains by sharing. A texture goes with its coordinates: it is taken from a later clip only if the
+  // coordinates are the same.
   void add(MeshSequence clip);
 
   bool empty() const { return clips_.empty(); }
@@ -51,6 +54,16 @@ class PerformanceDatabase {
   // different rates has no frame time.
   double frames_per_second() const;
 
+  // Joints, parts and layers of the performer, if somebody marked them. Throws `InvalidArgument` if it does
+  // not fit the topology, or if there is no clip yet. Truths of clips stay only if the skeleton stays.
+  const std::optional<Markup>& markup() const { return markup_; }
+  void set_markup(std::optional<Markup> markup);
+
+  // The truth of a synthetic clip, or null. `set_truth` throws `InvalidArgument` unless there is a markup
+  // whose skeleton the poses fit, one pose and one contact entry a frame.
+  const ClipTruth* truth(std::size_t clip_idx) const;
+  void set_truth(std::size_t clip_idx, ClipTruth truth);
+
   // Content hash of names, rates, topology and positions: the key of everything computed from the database.
   std::string content_hash() const;
 
@@ -59,6 +72,8 @@ class PerformanceDatabase {
   std::vector<MeshSequence> clips_;
   std::vector<std::size_t> first_frames_;
   std::size_t frame_count_ = 0;
+  std::optional<Markup> markup_;
+  std::vector<std::optional<ClipTruth>> truths_;  // one a clip
 };
 
 }  // namespace reprise

@@ -66,6 +66,98 @@ TEST(PerformanceDatabase, TextureCoordinatesOfAnyClipServeAll) {
   }
 }
 
+TEST(PerformanceDatabase, ATextureGoesWithItsCoordinates) {
+  Topology with_uvs = two_triangles();
+  with_uvs.uvs = {{0, 0}, {1, 0}, {1, 1}};
+  with_uvs.triangle_uvs = {{0, 1, 2}, {0, 1, 2}};
+  Topology textured = with_uvs;
+  textured.texture = std::make_shared<const Image>(Image{.width = 1, .height = 1, .rgb = {1, 2, 3}});
+  Topology elsewhere = textured;
+  elsewhere.uvs[0] = {0.5, 0.5};
+  const auto texture_of = [](const Topology& first, const Topology& second) {
+    PerformanceDatabase database;
+    database.add(clip("a", 3, 25.0, first));
+    database.add(clip("b", 3, 25.0, second));
+    for (const MeshSequence& each : database.clips()) EXPECT_EQ(each.topology(), database.topology());
+    return database.topology()->texture;
+  };
+  EXPECT_EQ(texture_of(textured, two_triangles()), textured.texture);
+  EXPECT_EQ(texture_of(two_triangles(), textured), textured.texture);
+  EXPECT_EQ(texture_of(with_uvs, textured), textured.texture);
+  EXPECT_EQ(texture_of(textured, with_uvs), textured.texture);
+  EXPECT_EQ(texture_of(with_uvs, elsewhere), nullptr);  // would be drawn with the wrong coordinates
+}
+
+// Two bones over the four vertices of `two_triangles`.
+Markup two_bones() {
+  Markup markup;
+  markup.skeleton.joints = {{.name = "hip", .parent = -1, .rest_position = {0, 1, 0}},
+                            {.name = "knee", .parent = 0, .rest_position = {0, 0.5, 0}}};
+  markup.reference = Positions::Zero(4, 3);
+  markup.joint_of_vertex = {0, 0, 1, -1};
+  return markup;
+}
+
+ClipTruth standing(std::size_t frame_count) {
+  return {.poses = std::vector(frame_count, rest_pose(two_bones().skeleton)),
+          .contacts = std::vector(frame_count, FootContacts{true, false})};
+}
+
+TEST(PerformanceDatabase, KeepsMarkupAndTruth) {
+  PerformanceDatabase database = crane_and_jumping();
+  EXPECT_FALSE(database.markup());
+  EXPECT_EQ(database.truth(1), nullptr);
+  const std::string hash = database.content_hash();
+  database.set_markup(two_bones());
+  database.set_truth(1, standing(5));
+  ASSERT_TRUE(database.markup());
+  EXPECT_EQ(database.markup()->skeleton.joints[1].name, "knee");
+  EXPECT_EQ(database.truth(0), nullptr);
+  ASSERT_NE(database.truth(1), nullptr);
+  EXPECT_EQ(database.truth(1)->poses.size(), 5U);
+  // A clip more, and other labels on the same skeleton, change nothing of what is known.
+  database.add(clip("late", 2));
+  EXPECT_EQ(database.truth(2), nullptr);
+  Markup relabelled = two_bones();
+  relabelled.joint_of_vertex = {0, 1, 1, 1};
+  database.set_markup(relabelled);
+  EXPECT_NE(database.truth(1), nullptr);
+  // Nobody can read true poses without the skeleton they are poses of.
+  Markup other = two_bones();
+  other.skeleton.joints[1].rest_position.y() = 0.4;
+  database.set_markup(other);
+  EXPECT_EQ(database.truth(1), nullptr);
+  database.set_truth(1, standing(5));
+  database.set_markup(std::nullopt);
+  EXPECT_FALSE(database.markup());
+  EXPECT_EQ(database.truth(1), nullptr);
+  EXPECT_EQ(crane_and_jumping().content_hash(), hash);
+}
+
+TEST(PerformanceDatabase, RefusesMarkupAndTruthThatDoNotFit) {
+  PerformanceDatabase database;
+  EXPECT_THAT([&] { database.set_markup(two_bones()); },
+              ThrowsMessage<InvalidArgument>(HasSubstr("needs a database with a clip")));
+  EXPECT_NO_THROW(database.set_markup(std::nullopt));
+  database = crane_and_jumping();
+  // A truth without a skeleton.
+  EXPECT_THAT([&] { database.set_truth(0, standing(3)); },
+              ThrowsMessage<InvalidArgument>(HasSubstr("clip 'crane': a truth needs a markup")));
+  // A markup of another surface.
+  Markup larger = two_bones();
+  larger.joint_of_vertex.push_back(0);
+  EXPECT_THAT([&] { database.set_markup(larger); },
+              ThrowsMessage<InvalidArgument>(HasSubstr("labels 5 vertices with joints; the surface has 4")));
+  EXPECT_FALSE(database.markup());
+  database.set_markup(two_bones());
+  // Another number of frames.
+  EXPECT_THAT([&] { database.set_truth(0, standing(4)); },
+              ThrowsMessage<InvalidArgument>(HasSubstr("clip 'crane': the truth has 4 poses")));
+  // A clip that is not there.
+  EXPECT_THROW(database.set_truth(2, standing(3)), InvalidArgument);
+  EXPECT_THROW((void)database.truth(2), InvalidArgument);
+}
+
 TEST(PerformanceDatabase, RefusesAClipThatDoesNotFitAndStaysAsItWas) {
   PerformanceDatabase database = crane_and_jumping();
   const std::string hash = database.content_hash();

@@ -5,9 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <set>
-#include <string_view>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -15,14 +13,12 @@
 
 #include "reprise/core/atomic_file.h"
 #include "reprise/core/error.h"
-#include "reprise/core/log.h"
+#include "reprise/core/json_file.h"
 #include "reprise/core/text.h"
 #include "reprise/graph/surface_motion_graph.h"
 
 namespace reprise {
 namespace {
-
-using Json = nlohmann::ordered_json;  // keeps fields in the order a person reads them
 
 constexpr const char* format_name = "reprise surface motion graph";
 constexpr int format_version = 1;
@@ -49,111 +45,7 @@ Json to_json(const TransitionOptions& options) {
           {"sample_vertices", options.sample_vertices}};
 }
 
-// One field of the file with its path, so that an error can name it.
-class Field {
- public:
-  Field(const std::filesystem::path& file, const Json& value, std::string path)
-      : file_(&file), value_(&value), path_(std::move(path)) {}
-
-  [[noreturn]] void fail(const std::string& what) const { throw FileError(*file_, path_, what); }
-
-  bool has(const char* name) const { return as_object().contains(name); }
-  Field operator[](const char* name) const {
-    const auto found = as_object().find(name);
-    const std::string path = path_.empty() ? name : fmt::format("{}.{}", path_, name);
-    if (found == value_->end()) throw FileError(*file_, path, "expected this field, found none");
-    return {*file_, *found, path};
-  }
-  std::vector<Field> items() const {
-    if (!value_->is_array()) fail(fmt::format("expected a list, found {}", found_type()));
-    std::vector<Field> fields;
-    for (std::size_t i = 0; i < value_->size(); ++i) {
-      fields.emplace_back(*file_, (*value_)[i], fmt::format("{}[{}]", path_, i));
-    }
-    return fields;
-  }
-
-  std::string text() const {
-    if (!value_->is_string()) fail(fmt::format("expected a text, found {}", found_type()));
-    return value_->get<std::string>();
-  }
-  double number() const {
-    if (!value_->is_number()) fail(fmt::format("expected a number, found {}", found_type()));
-    return value_->get<double>();
-  }
-  double number_from(double least) const {
-    const double value = number();
-    if (!(value >= least)) fail(fmt::format("expected a number from {}, found {}", least, value));
-    return value;
-  }
-  int integer(int least, int greatest = std::numeric_limits<int>::max()) const {
-    if (!value_->is_number_integer()) fail(fmt::format("expected an integer, found {}", found_type()));
-    // Unsigned values beyond int64 wrap to negative ones, which no field takes.
-    const auto value = value_->get<std::int64_t>();
-    const bool is_wrapped = value_->is_number_unsigned() && value < 0;
-    if (is_wrapped || value < least || value > greatest) {
-      fail(greatest == std::numeric_limits<int>::max()
-               ? fmt::format("expected an integer from {}, found {}", least, value_->dump())
-               : fmt::format("expected an integer from {} to {}, found {}", least, greatest, value_->dump()));
-    }
-    return static_cast<int>(value);
-  }
-  template <typename Enum, std::size_t count>
-  Enum choice(const std::pair<Enum, const char*> (&names)[count]) const {
-    const std::string name = text();
-    std::vector<std::string_view> known;
-    for (const auto& [value, known_name] : names) {
-      if (name == known_name) return value;
-      known.emplace_back(known_name);
-    }
-    fail(fmt::format("expected one of {}, found '{}'", fmt::join(known, ", "), name));
-  }
-
-  // A misspelt field must not be passed over in silence.
-  void warn_of_others(const std::vector<std::string>& known) const {
-    for (const auto& [name, value] : as_object().items()) {
-      if (std::ranges::find(known, name) != known.end()) continue;
-      const std::string nearest = nearest_word(name, known);
-      spdlog::warn("{}: {}: unknown field '{}' is passed over{}", file_->string(),
-                   path_.empty() ? "top level" : path_, name,
-                   nearest.empty() ? "" : fmt::format("; did you mean '{}'?", nearest));
-    }
-  }
-
- private:
-  const Json& as_object() const {
-    if (!value_->is_object()) fail(fmt::format("expected an object, found {}", found_type()));
-    return *value_;
-  }
-  std::string found_type() const {
-    const std::string text = value_->dump(-1, ' ', false, Json::error_handler_t::replace);
-    return fmt::format("{} {}", value_->type_name(), text.size() <= 40 ? text : text.substr(0, 40) + "...");
-  }
-
-  const std::filesystem::path* file_;
-  const Json* value_;
-  std::string path_;
-};
-
-std::string line_and_column(std::string_view text, std::size_t byte) {
-  const std::string_view before = text.substr(0, byte == 0 ? 0 : byte - 1);
-  const auto newline = before.rfind('\n');
-  return fmt::format("line {}, column {}", 1 + std::ranges::count(before, '\n'),
-                     newline == std::string_view::npos ? before.size() + 1 : before.size() - newline);
-}
-
-Json parse(const std::filesystem::path& path, const std::string& text) {
-  try {
-    return Json::parse(text);
-  } catch (const Json::parse_error& error) {
-    // After its own place, the parser says what it met and what it expected.
-    std::string what = error.what();
-    if (const auto dash = what.find(" - "); dash != std::string::npos) what = what.substr(dash + 3);
-    throw FileError(path, line_and_column(text, error.byte), "is not JSON: " + what);
-  } catch (const Json::exception& error) {
-    throw FileError(path, fmt::format("is not JSON: {}", error.what()));
-  }
-}
+using Field = JsonField;
 
 TransitionOptions read_options(const Field& field) {
   field.warn_of_others({"transitions_per_pair", "max_half_window", "min_half_window", "self_min_gap",
@@ -292,7 +184,7 @@ void save_graph(const SurfaceMotionGraph& graph, const std::filesystem::path& pa
 }
 
 SurfaceMotionGraph load_graph(const std::filesystem::path& path) {
-  const Json json = parse(path, read_text_file(path));
+  const Json json = read_json_file(path);
   if (!json.is_object() || !json.contains("format") || json["format"] != format_name) {
     throw FileError(path,
                     fmt::format("is not a surface motion graph: expected \"format\": \"{}\"", format_name));

@@ -19,6 +19,7 @@
 #include "reprise/core/error.h"
 #include "reprise/core/parallel.h"
 #include "reprise/core/progress.h"
+#include "reprise/io/database_markup.h"
 #include "reprise/io/hdf5.h"
 
 namespace reprise {
@@ -30,7 +31,7 @@ namespace {
 
 // A plain text in the user block, before the HDF5 data: tells what the file is, whether it is whole, and what
 // version it has, before HDF5 looks at a single byte.
-//   REPRISE DATABASE\nversion 1\nbytes 1234567\n, then zeros
+//   REPRISE DATABASE\nversion 2\nbytes 1234567\n, then zeros
 constexpr std::string_view signature = "REPRISE DATABASE\n";
 constexpr std::size_t user_block = 512;
 constexpr const char* format_name = "Reprise performance database";
@@ -68,8 +69,8 @@ bool parse_line(std::string_view& text, std::string_view key, T& value) {
   return true;
 }
 
-// Throws `FileError` unless the file is a whole database of a version this program knows.
-void check_header(const fs::path& path) {
+// Throws `FileError` unless the file is a whole database of a version this program knows, which is returned.
+int check_header(const fs::path& path) {
   std::error_code error;
   if (!fs::exists(path, error)) throw FileError(path, "there is no such file");
   if (!fs::is_regular_file(path, error)) throw FileError(path, "is not a file; expected a Reprise database");
@@ -98,6 +99,7 @@ void check_header(const fs::path& path) {
   if (found < header.bytes) {
     throw FileError(path, fmt::format("is truncated: expected {} bytes, found {}", header.bytes, found));
   }
+  return static_cast<int>(header.version);
 }
 
 void check_name(const std::string& name) {
@@ -130,11 +132,12 @@ struct DatabaseReader::Impl {
     std::optional<Hdf5Dataset> colors;
   };
 
-  explicit Impl(const fs::path& path) : file((check_header(path), Hdf5File::open(path))) {
+  explicit Impl(const fs::path& path) : version(check_header(path)), file(Hdf5File::open(path)) {
     if (!file.has_attribute("format") || file.read_text("format") != format_name) {
       throw FileError(path, "is not a Reprise database");
     }
     read_topology();
+    if (file.has("markup")) markup = read_markup(file.group("markup"), topology->vertex_count);
     read_clips();
   }
 
@@ -147,6 +150,7 @@ struct DatabaseReader::Impl {
       read.uvs = read_rows<std::array<float, 2>, float>(group, "uvs");
       read.triangle_uvs = read_rows<Triangle, std::int32_t>(group, "triangle_uvs");
     }
+    if (group.has("texture")) read.texture = std::make_shared<const Image>(read_texture(group));
     try {
       validate(read);
     } catch (const InvalidArgument& error) {
@@ -191,7 +195,12 @@ struct DatabaseReader::Impl {
                     .frames_per_second = clip.read_number("frames_per_second"),
                     .has_normals = clip.has("normals"),
                     .has_colors = clip.has("colors"),
-                    .has_origins = clip.has("origins")};
+                    .has_origins = clip.has("origins"),
+                    .has_truth = clip.has("truth")};
+      if (info.has_truth && !markup) {
+        throw FileError(file.file_path(), clip.name(),
+                        "has a truth, but the database has no skeleton for it");
+      }
       if (!(info.frames_per_second > 0.0) || !std::isfinite(info.frames_per_second)) {
         throw FileError(file.file_path(), clip.name(),
                         fmt::format("has {} frames per second", info.frames_per_second));
@@ -296,8 +305,10 @@ struct DatabaseReader::Impl {
     }
   }
 
+  int version;
   Hdf5File file;
   TopologyPtr topology;
+  std::optional<Markup> markup;
   std::vector<ClipInfo> infos;
   std::vector<Clip> clips;
 };
@@ -312,6 +323,14 @@ const TopologyPtr& DatabaseReader::topology() const {
 
 const std::vector<ClipInfo>& DatabaseReader::clips() const {
   return impl_->infos;
+}
+
+int DatabaseReader::format_version() const {
+  return impl_->version;
+}
+
+const std::optional<Markup>& DatabaseReader::markup() const {
+  return impl_->markup;
 }
 
 std::string DatabaseReader::note() const {
@@ -349,6 +368,14 @@ MeshSequence DatabaseReader::read_clip(std::size_t clip_idx) const {
   return impl_->read_clip(clip_idx, [](std::size_t) {});
 }
 
+std::optional<ClipTruth> DatabaseReader::read_truth(std::size_t clip_idx) const {
+  impl_->check_clip(clip_idx);
+  const ClipInfo& info = impl_->infos[clip_idx];
+  if (!info.has_truth) return std::nullopt;
+  return reprise::read_truth(impl_->clips[clip_idx].group.group("truth"), impl_->markup->skeleton,
+                             info.frame_count);
+}
+
 // ---- Writing
 // --------------------------------------------------------------------------------------------------
 
@@ -384,6 +411,7 @@ struct DatabaseWriter::Impl {
       write_rows("uvs", topology->uvs);
       write_rows("triangle_uvs", topology->triangle_uvs);
     }
+    if (topology->texture) write_texture(group, *topology->texture);
   }
 
   struct Clip {
@@ -395,6 +423,7 @@ struct DatabaseWriter::Impl {
     std::optional<Hdf5Dataset> colors;  // once the colours of a frame differ from those of the first
     std::vector<Color> first_colors;
     std::vector<FrameOrigin> origins;
+    std::size_t frames_of_truth = 0;  // 0: none
   };
 
   void begin_clip(const std::string& name, double frames_per_second) {
@@ -463,6 +492,10 @@ struct DatabaseWriter::Impl {
       throw InvalidArgument(fmt::format("clip '{}': {} origins for {} frames", clip->name,
                                         clip->origins.size(), clip->frame_count));
     }
+    if (clip->frames_of_truth > 0 && clip->frames_of_truth != clip->frame_count) {
+      throw InvalidArgument(fmt::format("clip '{}': a truth of {} frames for {} frames", clip->name,
+                                        clip->frames_of_truth, clip->frame_count));
+    }
     clip->group.write_integer("frame_count", static_cast<std::int64_t>(clip->frame_count));
     if (!clip->colors && !clip->first_colors.empty()) {
       clip->colors = frame_dataset("colors", Hdf5Type::uint8);
@@ -521,6 +554,35 @@ struct DatabaseWriter::Impl {
     output.commit();
   }
 
+  void set_markup(const Markup& markup) {
+    check_open();
+    if (skeleton) throw InvalidArgument("the markup of a database is set once");
+    validate(markup, topology->vertex_count);
+    Hdf5Group group = file.create_group("markup");
+    write_markup(group, markup);
+    skeleton = markup.skeleton;
+    file.check_writes();
+  }
+
+  void set_truth(const ClipTruth& truth) {
+    Clip& current = current_clip();
+    if (!skeleton) {
+      throw InvalidArgument(fmt::format(
+          "clip '{}': a truth needs a markup, whose skeleton its poses are poses of", current.name));
+    }
+    if (current.frames_of_truth > 0)
+      throw InvalidArgument(fmt::format("clip '{}' has a truth already", current.name));
+    try {
+      validate(truth, *skeleton, current.frame_count);
+    } catch (const InvalidArgument& error) {
+      throw InvalidArgument(fmt::format("clip '{}': {}", current.name, error.what()));
+    }
+    Hdf5Group group = current.group.create_group("truth");
+    write_truth(group, truth);
+    current.frames_of_truth = truth.poses.size();
+    file.check_writes();
+  }
+
   void check_open() const {
     if (is_committed) throw InvalidArgument(fmt::format("{} is committed already", output.target().string()));
   }
@@ -537,6 +599,7 @@ struct DatabaseWriter::Impl {
   Hdf5File file;
   Hdf5Group clips_group;
   std::optional<Clip> clip;
+  std::optional<Skeleton> skeleton;  // of the markup that was written
   std::vector<std::string> names;
   std::string note;
   bool is_committed = false;
@@ -575,6 +638,14 @@ void DatabaseWriter::append(const Mesh& mesh) {
 
 void DatabaseWriter::set_origins(std::span<const FrameOrigin> origins) {
   impl_->current_clip().origins.assign(origins.begin(), origins.end());
+}
+
+void DatabaseWriter::set_markup(const Markup& markup) {
+  impl_->set_markup(markup);
+}
+
+void DatabaseWriter::set_truth(const ClipTruth& truth) {
+  impl_->set_truth(truth);
 }
 
 void DatabaseWriter::set_note(const std::string& text) {
@@ -618,12 +689,22 @@ PerformanceDatabase load_database(const fs::path& path) {
       }
     }
   }
+  if (!database.empty()) {
+    database.set_markup(reader.markup());
+    for (std::size_t c = 0; c < reader.clips().size(); ++c) {
+      if (std::optional<ClipTruth> truth = reader.read_truth(c)) database.set_truth(c, std::move(*truth));
+    }
+  }
   return database;
 }
 
 void save_database(const PerformanceDatabase& database, const fs::path& target) {
   DatabaseWriter writer(target, database.topology());
-  for (const MeshSequence& clip : database.clips()) writer.write_clip(clip);
+  if (database.markup()) writer.set_markup(*database.markup());
+  for (std::size_t c = 0; c < database.clips().size(); ++c) {
+    writer.write_clip(database.clip(c));
+    if (const ClipTruth* truth = database.truth(c)) writer.set_truth(*truth);
+  }
   writer.commit();
 }
 

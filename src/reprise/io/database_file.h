@@ -8,6 +8,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,7 +17,7 @@
 
 namespace reprise {
 
-inline constexpr int database_format_version = 1;
+inline constexpr int database_format_version = 2;
 
 struct ClipInfo {
   std::string name;
@@ -25,6 +26,7 @@ struct ClipInfo {
   bool has_normals = false;
   bool has_colors = false;
   bool has_origins = false;
+  bool has_truth = false;
 };
 
 // Reads frames from a database file without loading it. One thread at a time (HDF5's serial library).
@@ -38,6 +40,10 @@ class DatabaseReader {
 
   const TopologyPtr& topology() const;
   const std::vector<ClipInfo>& clips() const;
+  // Version of the format the file was written in.
+  int format_version() const;
+  // Joints, parts and layers, if the file holds them.
+  const std::optional<Markup>& markup() const;
   // Text stored with the file by `DatabaseWriter::set_note`, or empty: for a generated file, the JSON report.
   std::string note() const;
 
@@ -46,6 +52,8 @@ class DatabaseReader {
   // A whole clip. Unlike `read_frame`, which shows a frame as it is, refuses frames that cannot be used (NaN,
   // no area).
   MeshSequence read_clip(std::size_t clip_idx) const;
+  // The truth of a synthetic clip, if the file holds it.
+  std::optional<ClipTruth> read_truth(std::size_t clip_idx) const;
 
  private:
   friend PerformanceDatabase load_database(const std::filesystem::path& path);
@@ -61,6 +69,10 @@ class DatabaseWriter {
   DatabaseWriter(std::filesystem::path target, TopologyPtr topology);
   ~DatabaseWriter();
 
+  // Joints, parts and layers of the performer: once, before any truth. Throws `InvalidArgument` unless it
+  // fits the topology.
+  void set_markup(const Markup& markup);
+
   // Starts a clip; the frames that follow belong to it. Throws `InvalidArgument` for a name that is taken or
   // unfit.
   void begin_clip(const std::string& name, double frames_per_second);
@@ -69,6 +81,9 @@ class DatabaseWriter {
   void append(const Mesh& mesh);
   // Provenance of the current clip, one entry a frame appended.
   void set_origins(std::span<const FrameOrigin> origins);
+  // The truth of the current clip, after all of its frames. Throws `InvalidArgument` unless it fits them and
+  // the markup's skeleton.
+  void set_truth(const ClipTruth& truth);
   void set_note(const std::string& text);
   // Appends a whole clip.
   void write_clip(const MeshSequence& clip);

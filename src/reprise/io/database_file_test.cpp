@@ -89,7 +89,10 @@ TEST(DatabaseFixture, Version1StillLoads) {
   const PerformanceDatabase found = load_database(fixture_path());
   ASSERT_EQ(found.clip_names(), expected.clip_names());
   for (std::size_t c = 0; c < 2; ++c) test::expect_equal(found.clip(c), expected.clip(c));
-  EXPECT_EQ(DatabaseReader(fixture_path()).note(), "{\"made\": \"for the tests\"}");
+  const DatabaseReader reader(fixture_path());
+  EXPECT_EQ(reader.note(), "{\"made\": \"for the tests\"}");
+  EXPECT_EQ(reader.format_version(), 1);
+  EXPECT_FALSE(reader.markup() || reader.clips()[0].has_truth || reader.topology()->texture);
 }
 
 TEST(DatabaseFile, FramesThatAreNoSurfaceAreShownButNotWorkedOn) {
@@ -241,9 +244,9 @@ TEST(DatabaseFile, ReadingSaysWhatIsWrongWithAFile) {
               ThrowsMessage<FileError>(AllOf(HasSubstr("truncated"), HasSubstr(std::to_string(bytes.size())),
                                              HasSubstr(std::to_string(bytes.size() - 1)))));
   std::string later = bytes;
-  later.replace(later.find("version 1"), 9, "version 2");
+  later.replace(later.find("version 2"), 9, "version 3");
   write_bytes(path, later);
-  EXPECT_THAT(open, ThrowsMessage<FileError>(AllOf(HasSubstr("version 2"), HasSubstr("up to 1"))));
+  EXPECT_THAT(open, ThrowsMessage<FileError>(AllOf(HasSubstr("version 3"), HasSubstr("up to 2"))));
 }
 
 TEST(DatabaseFile, AnyTruncationIsAnErrorNeverACrash) {

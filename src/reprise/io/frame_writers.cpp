@@ -20,6 +20,7 @@ static_assert(std::endian::native == std::endian::little, "binary files are writ
 namespace {
 
 constexpr std::string_view mark = "written by Reprise";
+constexpr const char* material_name = "surface";
 
 void append_float(std::string& text, float value) {
   fmt::format_to(std::back_inserter(text), FMT_COMPILE("{}"), value);
@@ -62,7 +63,21 @@ bool is_exported_frame(const std::filesystem::path& path) {
 // ---- OBJ
 // ------------------------------------------------------------------------------------------------------
 
-ObjFrameWriter::ObjFrameWriter(const MeshSequence& sequence) : sequence_(sequence) {
+std::string material_file_name(const std::string& stem) {
+  return stem + ".mtl";
+}
+
+std::string texture_file_name(const std::string& stem) {
+  return stem + "_texture.png";
+}
+
+std::string material_text(const std::string& texture_file) {
+  return fmt::format("# {}\nnewmtl {}\nKa 1 1 1\nKd 1 1 1\nKs 0 0 0\nillum 1\nmap_Kd {}\n", mark,
+                     material_name, texture_file);
+}
+
+ObjFrameWriter::ObjFrameWriter(const MeshSequence& sequence, std::string material_file)
+    : sequence_(sequence), material_file_(std::move(material_file)) {
   const Topology& topology = *sequence.topology();
   for (const auto& [u, v] : topology.uvs) {
     uvs_ += "vt ";
@@ -91,6 +106,7 @@ std::string ObjFrameWriter::text(std::size_t frame_idx) const {
   const Positions normals = export_normals(sequence_, frame_idx);
   const auto& channels = channel_texts();
   std::string text = fmt::format("# {}, metres, Y up\n", mark);
+  if (!material_file_.empty()) text += fmt::format("mtllib {}\n", material_file_);
   text.reserve(text.size() + uvs_.size() + faces_.size() + sequence_.vertex_count() * 100);
   const auto append_row = [&](const char* key, const float* row) {
     text += key;
@@ -114,6 +130,7 @@ std::string ObjFrameWriter::text(std::size_t frame_idx) const {
     append_row("vn ", normals.data() + 3 * v);
     text += '\n';
   }
+  if (!material_file_.empty()) text += fmt::format("usemtl {}\n", material_name);
   text += faces_;
   return text;
 }
@@ -121,15 +138,17 @@ std::string ObjFrameWriter::text(std::size_t frame_idx) const {
 // ---- PLY
 // ------------------------------------------------------------------------------------------------------
 
-PlyFrameWriter::PlyFrameWriter(const MeshSequence& sequence, bool binary)
+PlyFrameWriter::PlyFrameWriter(const MeshSequence& sequence, bool binary, const std::string& texture_file)
     : sequence_(sequence), binary_(binary) {
   const Topology& topology = *sequence.topology();
   cut_ = cut_at_seams(topology);
   has_vertex_uvs_ = topology.has_uvs() && !cut_.has_copies(topology);
   const bool has_face_uvs = topology.has_uvs() && !has_vertex_uvs_;
 
-  header_ = fmt::format("ply\nformat {} 1.0\ncomment {}, metres, Y up\nelement vertex {}\n",
-                        binary ? "binary_little_endian" : "ascii", mark, topology.vertex_count);
+  header_ = fmt::format("ply\nformat {} 1.0\ncomment {}, metres, Y up\n",
+                        binary ? "binary_little_endian" : "ascii", mark);
+  if (!texture_file.empty()) header_ += fmt::format("comment TextureFile {}\n", texture_file);
+  header_ += fmt::format("element vertex {}\n", topology.vertex_count);
   for (const char* name : {"x", "y", "z", "nx", "ny", "nz"})
     header_ += fmt::format("property float {}\n", name);
   if (has_vertex_uvs_) header_ += "property float s\nproperty float t\n";

@@ -21,6 +21,7 @@
 #include "reprise/core/parallel.h"
 #include "reprise/io/frame_thinning.h"
 #include "reprise/io/frame_writers.h"
+#include "reprise/io/image_file.h"
 #include "reprise/io/output_file.h"
 #include "reprise/io/uv_seams.h"
 
@@ -169,7 +170,8 @@ class GltfWriter {
     const std::size_t per_vertex = options_.quantize ? 12 : 24;
     return (per_vertex + (has_changing_colors_ ? 8 : 0)) * cut_.source_vertices.size() * kept_.size() +
            20 * cut_.source_vertices.size() + 4 * kept_.size() * kept_.size() +
-           12 * sequence_.topology()->triangles.size();
+           12 * sequence_.topology()->triangles.size() +
+           (sequence_.topology()->texture ? sequence_.topology()->texture->rgb.size() : 0);
   }
 
   const std::vector<std::size_t>& kept() const { return kept_; }
@@ -274,8 +276,11 @@ class GltfWriter {
   std::size_t first_target() const { return coding_.neutral_normals ? 0 : 1; }
   std::size_t target_count() const { return kept_.size() - first_target(); }
 
+  // Viewers multiply a texture with vertex colours.
+  bool draws_colors() const { return sequence_.has_colors() && !sequence_.topology()->texture; }
+
   bool changing_colors() const {
-    if (!sequence_.has_colors_per_frame()) return false;
+    if (!draws_colors() || !sequence_.has_colors_per_frame()) return false;
     const auto first = sequence_.colors(0);
     return std::ranges::any_of(
         kept_, [&](std::size_t f) { return !std::ranges::equal(sequence_.colors(f), first); });
@@ -410,7 +415,7 @@ class GltfWriter {
     primitive["attributes"]["POSITION"] = add_positions(base_positions());
     primitive["attributes"]["NORMAL"] = add_normals(base_normals());
     if (!cut_.uvs.empty()) primitive["attributes"]["TEXCOORD_0"] = add_uvs();
-    if (sequence_.has_colors()) {
+    if (draws_colors()) {
       const std::size_t view = buffer_.add_view(colors(0), vertex_data, 8);
       primitive["attributes"]["COLOR_0"] =
           buffer_.add_accessor(view, uint16, "VEC4", cut_.source_vertices.size(), true);
@@ -465,15 +470,30 @@ class GltfWriter {
     document["scenes"] = json::array({{{"nodes", json::array({0})}}});
     document["nodes"] = json::array({std::move(node)});
     document["meshes"] = json::array({std::move(mesh)});
-    document["materials"] =
-        json::array({{{"name", "surface"},
-                      {"doubleSided", true},
-                      {"pbrMetallicRoughness", {{"metallicFactor", 0.0}, {"roughnessFactor", 0.9}}}}});
+    json look = {{"metallicFactor", 0.0}, {"roughnessFactor", 0.9}};
+    if (sequence_.topology()->texture) add_texture(document, look);
+    document["materials"] = json::array(
+        {{{"name", "surface"}, {"doubleSided", true}, {"pbrMetallicRoughness", std::move(look)}}});
     if (kept_.size() > 1) document["animations"] = json::array({add_animation()});
     document["bufferViews"] = buffer_.views();
     document["accessors"] = buffer_.accessors();
     document["buffers"] = json::array({{{"byteLength", buffer_.size()}}});
     return document;
+  }
+
+  void add_texture(json& document, json& look) {
+    const std::vector<std::byte> png = encode_png(*sequence_.topology()->texture);
+    std::string bytes;
+    append(bytes, png.data(), png.size());
+    document["images"] = json::array(
+        {{{"bufferView", buffer_.add_view(std::move(bytes), other_data)}, {"mimeType", "image/png"}}});
+    constexpr int linear = 9729;
+    constexpr int linear_mipmap_linear = 9987;
+    constexpr int repeat = 10497;
+    document["samplers"] = json::array(
+        {{{"magFilter", linear}, {"minFilter", linear_mipmap_linear}, {"wrapS", repeat}, {"wrapT", repeat}}});
+    document["textures"] = json::array({{{"source", 0}, {"sampler", 0}}});
+    look["baseColorTexture"] = {{"index", 0}};
   }
 
   std::size_t add_uvs() {

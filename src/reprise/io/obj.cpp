@@ -111,6 +111,7 @@ class ObjParser {
   void parse_uv();
   void parse_normal();
   void parse_face();
+  void parse_name(std::vector<std::string>& names);
   std::int32_t parse_index(std::size_t count, const char* of, std::size_t kind);
   void check_pending();
   Positions vertex_normals_from(const std::vector<std::array<std::int32_t, 2>>& corners) const;
@@ -131,6 +132,7 @@ class ObjParser {
   std::vector<Triangle> triangles_, triangle_uvs_;
   bool any_uv_ = false, all_uv_ = true;
   std::vector<std::array<std::int32_t, 2>> normal_corners_;
+  std::vector<std::string> material_files_, materials_;
 
   // An index may point at an element that follows later: the largest such index of v, vt, vn, checked at the
   // end.
@@ -166,6 +168,12 @@ void ObjParser::parse_statements(bool stop_at_face) {
     } else if (left > 2 && *p_ == 'v' && p_[1] == 'n' && delimited(2)) {
       p_ += 2;
       parse_normal();
+    } else if (left > 6 && std::string_view(p_, 6) == "mtllib" && delimited(6)) {
+      p_ += 6;
+      parse_name(material_files_);
+    } else if (left > 6 && std::string_view(p_, 6) == "usemtl" && delimited(6)) {
+      p_ += 6;
+      parse_name(materials_);
     }
     skip_line();
   }
@@ -205,6 +213,20 @@ void ObjParser::parse_normal() {
   std::array<float, 3> normal;
   for (float& component : normal) component = static_cast<float>(number("vn x y z"));
   normals_.push_back(normal);
+}
+
+// The rest of the line, spaces included; every name once.
+void ObjParser::parse_name(std::vector<std::string>& names) {
+  skip_spaces();
+  const char* const start = p_;
+  while (!at_line_end()) ++p_;
+  const char* last = p_;
+  while (last != start && is_space(last[-1])) --last;
+  std::string name(start, last);
+  // Beyond that, a list says nothing that anyone could use, and a hostile one would take long to search.
+  constexpr std::size_t most = 1000;
+  if (!name.empty() && names.size() < most && std::find(names.begin(), names.end(), name) == names.end())
+    names.push_back(std::move(name));
 }
 
 std::int32_t ObjParser::parse_index(std::size_t count, const char* of, std::size_t kind) {
@@ -328,6 +350,8 @@ ParsedMesh ObjParser::take_vertices() {
     }
     mesh.colors = colors_from_channels(channels_);
   }
+  mesh.material_files = material_files_;
+  mesh.materials = materials_;
   return mesh;
 }
 

@@ -22,8 +22,8 @@ struct ObjFaces {
 
 // Reads the text of an OBJ file: v (x y z, optionally with a weight, which is ignored, or r g b), vt, vn, and
 // f with polygons of three or more corners v, v/vt, v//vn or v/vt/vn, counted from 1 or, if negative, from
-// the latest. Understands comments, line continuation and all line ends but a lone CR; skips every other
-// statement.
+// the latest, and the names of mtllib and usemtl. Understands comments, line continuation and all line ends
+// but a lone CR; skips every other statement.
 //
 // Vertices without colour in a file with colours become white. Several normals of one vertex become their
 // normalised mean; vertices without one get (0, 0, 0). Corners without texture coordinate in a file with some

@@ -21,6 +21,10 @@ struct ParsedMesh {
   Positions normals;                  // empty, or one per vertex
   std::vector<Color> colors;          // empty, or one per vertex
   std::size_t dropped_triangles = 0;  // triangles with two equal corners, which have no area and no normal
+  // As the file names them: material files and used materials of an OBJ, pictures of a PLY.
+  std::vector<std::string> material_files;
+  std::vector<std::string> materials;
+  std::vector<std::string> texture_files;
 };
 
 // Removes triangles with two equal corners from `mesh`, and their texture coordinates, and counts them.

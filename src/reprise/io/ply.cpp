@@ -67,6 +67,7 @@ enum class Format { ascii, little_endian, big_endian };
 struct Header {
   Format format = Format::ascii;
   std::vector<Element> elements;
+  std::vector<std::string> texture_files;
   std::size_t size = 0;  // bytes up to the first row
 };
 
@@ -98,6 +99,10 @@ Header parse_header(std::string_view bytes, const std::filesystem::path& path) {
         throw FileError(path, "is not a PLY file: expected the first line 'ply'");
       }
       continue;
+    }
+    if (words.size() > 2 && words[0] == "comment" && words[1] == "TextureFile") {
+      // The name may hold spaces: up to the end of the line.
+      header.texture_files.emplace_back(words[2].data(), words.back().data() + words.back().size());
     }
     if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
     if (words[0] == "end_header") {
@@ -496,16 +501,23 @@ ParsedMesh BodyParser<Source>::parse() {
 
 ParsedMesh parse_ply(std::string_view bytes, const std::filesystem::path& path) {
   const Header header = parse_header(bytes, path);
+  const auto parse_body = [&](auto source) {
+    return BodyParser(std::move(source), bytes, header, path).parse();
+  };
+  ParsedMesh mesh;
   switch (header.format) {
     case Format::ascii:
-      return BodyParser(AsciiSource(bytes, header.size, path), bytes, header, path).parse();
+      mesh = parse_body(AsciiSource(bytes, header.size, path));
+      break;
     case Format::little_endian:
-      return BodyParser(BinarySource<std::endian::little>(bytes, header.size, path), bytes, header, path)
-          .parse();
+      mesh = parse_body(BinarySource<std::endian::little>(bytes, header.size, path));
+      break;
     case Format::big_endian:
+      mesh = parse_body(BinarySource<std::endian::big>(bytes, header.size, path));
       break;
   }
-  return BodyParser(BinarySource<std::endian::big>(bytes, header.size, path), bytes, header, path).parse();
+  mesh.texture_files = header.texture_files;
+  return mesh;
 }
 
 }  // namespace reprise

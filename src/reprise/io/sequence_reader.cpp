@@ -18,6 +18,7 @@
 #include "reprise/io/frame_files.h"
 #include "reprise/io/input_file.h"
 #include "reprise/io/mdd.h"
+#include "reprise/io/mesh_texture.h"
 #include "reprise/io/obj.h"
 #include "reprise/io/pc2.h"
 #include "reprise/io/ply.h"
@@ -57,6 +58,8 @@ class FolderReader : public SequenceReader {
     ParsedMesh first = is_obj_ ? parse_obj(bytes.view(), paths_.front(), &obj_faces_)
                                : parse_ply(bytes.view(), paths_.front());
     warn_of_dropped(first, paths_.front());
+    load_texture(first, paths_.front());
+    if (first.topology.texture) warn_of_changing_texture(first);
     has_normals_ = first.normals.size() > 0;
     has_colors_ = !first.colors.empty();
     topology_ = std::make_shared<const Topology>(std::move(first.topology));
@@ -104,6 +107,19 @@ class FolderReader : public SequenceReader {
     throw FileError(path, fmt::format("does not match the first frame: {} has {}, {} has none",
                                       (here ? path : paths_.front()).filename().string(), what,
                                       (here ? paths_.front() : path).filename().string()));
+  }
+
+  // The last frame speaks for all between.
+  void warn_of_changing_texture(const ParsedMesh& first) const {
+    const fs::path& path = paths_.back();
+    const FileBytes bytes = InputFile(path).read_all();
+    std::optional<ParsedMesh> last;
+    if (is_obj_) last = parse_obj_frame(bytes.view(), path, obj_faces_);
+    if (!last) last = is_obj_ ? parse_obj(bytes.view(), path) : parse_ply(bytes.view(), path);
+    if (last->material_files != first.material_files || last->texture_files != first.texture_files) {
+      spdlog::warn("{}: names another texture than {}; that of the first frame is kept for all",
+                   path.string(), paths_.front().filename().string());
+    }
   }
 
   double scale_;
@@ -274,6 +290,7 @@ Mesh read_mesh(const fs::path& path) {
   const FileBytes bytes = InputFile(path).read_all();
   ParsedMesh parsed = kind == FileKind::obj ? parse_obj(bytes.view(), path) : parse_ply(bytes.view(), path);
   warn_of_dropped(parsed, path);
+  load_texture(parsed, path);
   return {std::make_shared<const Topology>(std::move(parsed.topology)), std::move(parsed.positions),
           std::move(parsed.normals), std::move(parsed.colors)};
 }

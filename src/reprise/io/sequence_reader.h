@@ -32,7 +32,7 @@ class SequenceReader {
  public:
   virtual ~SequenceReader() = default;
 
-  // Topology of the first frame (or of the topology file).
+  // Topology of the first frame (or of the topology file), with its texture.
   const TopologyPtr& topology() const { return topology_; }
   std::size_t frame_count() const { return frame_count_; }
   // Rate stated by the file, if it states one: an MDD file with even frame times does.
@@ -59,9 +59,9 @@ class SequenceReader {
 // an unknown `sequence_id` (lists those there are).
 std::unique_ptr<SequenceReader> open_sequence(const SequenceSource& source);
 
-// One mesh from an OBJ or PLY file. Polygons are triangulated; UVs, per-vertex normals and colours are kept.
-// An OBJ with several normals at one vertex keeps their normalised mean. Throws `FileError` with the line or
-// byte.
+// One mesh from an OBJ or PLY file. Polygons are triangulated; UVs, the texture its material names,
+// per-vertex normals and colours are kept. An OBJ with several normals at one vertex keeps their normalised
+// mean. Throws `FileError` with the line or byte.
 Mesh read_mesh(const std::filesystem::path& path);
 
 }  // namespace reprise

@@ -9,6 +9,7 @@
 #include <cctype>
 #include <cstring>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string_view>
 
@@ -21,6 +22,7 @@
 #include "reprise/core/text.h"
 #include "reprise/io/frame_writers.h"
 #include "reprise/io/gltf_writer.h"
+#include "reprise/io/image_file.h"
 #include "reprise/io/output_file.h"
 
 namespace reprise {
@@ -41,6 +43,10 @@ std::string file_name_stem(const std::string& sequence_name) {
   return stem;
 }
 
+std::string frame_file_name(const std::string& stem, std::size_t frame_idx, const char* extension) {
+  return fmt::format("{}_{:05}{}", stem, frame_idx, extension);
+}
+
 bool is_frame_name(const std::string& name, std::string_view extension) {
   if (!name.ends_with(extension)) return false;
   const std::string_view stem = std::string_view(name).substr(0, name.size() - extension.size());
@@ -50,35 +56,53 @@ bool is_frame_name(const std::string& name, std::string_view extension) {
   return !digits.empty() && std::ranges::all_of(digits, [](char c) { return c >= '0' && c <= '9'; });
 }
 
-// A folder may be replaced if everything in it is NAME_DIGITS of the same format and carries our mark.
-// Captures are often named the same way, so the name alone is not enough.
+// A folder may be replaced if everything in it is NAME_DIGITS of the same format and carries our mark, or
+// belongs to such files. Captures are often named the same way, so the name alone is not enough.
+bool is_of_earlier_export(const fs::directory_entry& entry, const char* extension) {
+  if (!entry.is_regular_file() || entry.is_symlink()) return false;
+  const std::string name = entry.path().filename().string();
+  if (is_frame_name(name, extension)) return is_exported_frame(entry.path());
+  if (name.ends_with(".mtl")) return is_exported_frame(entry.path());
+  const std::string texture_end = texture_file_name("");
+  if (!name.ends_with(texture_end)) return false;
+  const std::string stem = name.substr(0, name.size() - texture_end.size());
+  return is_exported_frame(entry.path().parent_path() / frame_file_name(stem, 0, extension));
+}
+
 void check_replaceable(const fs::path& folder, const char* extension) {
   if (!fs::is_directory(folder)) return;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    const std::string name = entry.path().filename().string();
-    if (!entry.is_regular_file() || entry.is_symlink() || !is_frame_name(name, extension) ||
-        !is_exported_frame(entry.path())) {
+    if (!is_of_earlier_export(entry, extension)) {
       throw FileError(folder,
                       fmt::format("is left as it is: it holds '{}', which is not a frame of an earlier "
                                   "export; expected a new folder or frames named NAME_00000{}",
-                                  name, extension));
+                                  entry.path().filename().string(), extension));
     }
   }
 }
 
+// `reported`: what errors call the file.
+template <typename Bytes>
+void write_file(const fs::path& path, const fs::path& reported, const Bytes& bytes) {
+  OutputFile file(path, reported);
+  file.write_values(std::span(bytes));
+  file.finish();
+}
+
 void write_folder(const MeshSequence& sequence, const fs::path& target, const char* extension,
+                  const std::map<std::string, std::string>& files_beside,
                   const std::function<std::string(std::size_t)>& frame_bytes) {
   AtomicOutput output(target, AtomicOutput::Kind::directory);
   check_replaceable(output.target(), extension);
   const std::string stem = file_name_stem(sequence.name());
   Progress progress("writing", sequence.frame_count());
   parallel_for(0, sequence.frame_count(), [&](std::size_t f) {
-    const std::string name = fmt::format("{}_{:05}{}", stem, f, extension);
-    OutputFile file(output.path() / name, output.target() / name);
-    file.write(frame_bytes(f));
-    file.finish();
+    const std::string name = frame_file_name(stem, f, extension);
+    write_file(output.path() / name, output.target() / name, frame_bytes(f));
     progress.advance();
   });
+  for (const auto& [name, bytes] : files_beside)
+    write_file(output.path() / name, output.target() / name, bytes);
   output.commit();
 }
 
@@ -131,6 +155,7 @@ void write_cache(const MeshSequence& sequence, const fs::path& target, SequenceF
                  const SequenceWriteOptions& options, SequenceWriteReport& report) {
   AtomicOutput output(target, AtomicOutput::Kind::file);
   std::optional<AtomicOutput> topology;
+  std::optional<AtomicOutput> texture;
   if (options.write_topology) {
     const fs::path beside = fs::path(output.target()).replace_extension(".ply");
     if (fs::is_regular_file(beside) && !is_exported_frame(beside)) {
@@ -139,9 +164,19 @@ void write_cache(const MeshSequence& sequence, const fs::path& target, SequenceF
                       "write no topology");
     }
     topology.emplace(beside, AtomicOutput::Kind::file);
-    OutputFile file(topology->path(), beside);
-    file.write(PlyFrameWriter(sequence, true).bytes(0));
-    file.finish();
+    std::string texture_name;
+    if (sequence.topology()->texture) {
+      texture_name = texture_file_name(beside.stem().string());
+      const fs::path path = beside.parent_path() / texture_name;
+      if (fs::exists(path) && !fs::exists(beside)) {
+        throw FileError(path,
+                        "is left as it is: it is not of an earlier export; move it or choose another name");
+      }
+      texture.emplace(path, AtomicOutput::Kind::file);
+      write_file(texture->path(), path, encode_png(*sequence.topology()->texture));
+      report.files_beside.push_back(path);
+    }
+    write_file(topology->path(), beside, PlyFrameWriter(sequence, true, texture_name).bytes(0));
     report.files_beside.push_back(beside);
   }
   {
@@ -154,6 +189,7 @@ void write_cache(const MeshSequence& sequence, const fs::path& target, SequenceF
     }
     file.finish();
   }
+  if (texture) texture->commit();
   if (topology) topology->commit();
   output.commit();
 }
@@ -177,15 +213,23 @@ SequenceWriteReport write_sequence(const MeshSequence& sequence, const fs::path&
     throw InvalidArgument(fmt::format("sequence '{}' has no frames to write", sequence.name()));
   }
   SequenceWriteReport report{.path = target, .frames_written = sequence.frame_count()};
+  const bool has_texture = sequence.topology()->texture != nullptr;
+  const std::string stem = file_name_stem(sequence.name());
+  std::map<std::string, std::string> files_beside;  // of the frames in a folder
+  if (has_texture && (format == SequenceFormat::obj || format == SequenceFormat::ply)) {
+    const std::vector<std::byte> png = encode_png(*sequence.topology()->texture);
+    files_beside[texture_file_name(stem)] = {reinterpret_cast<const char*>(png.data()), png.size()};
+  }
   switch (format) {
     case SequenceFormat::obj: {
-      const ObjFrameWriter writer(sequence);
-      write_folder(sequence, target, ".obj", [&](std::size_t f) { return writer.text(f); });
+      const ObjFrameWriter writer(sequence, has_texture ? material_file_name(stem) : "");
+      if (has_texture) files_beside[material_file_name(stem)] = material_text(texture_file_name(stem));
+      write_folder(sequence, target, ".obj", files_beside, [&](std::size_t f) { return writer.text(f); });
       break;
     }
     case SequenceFormat::ply: {
-      const PlyFrameWriter writer(sequence, options.binary_ply);
-      write_folder(sequence, target, ".ply", [&](std::size_t f) { return writer.bytes(f); });
+      const PlyFrameWriter writer(sequence, options.binary_ply, has_texture ? texture_file_name(stem) : "");
+      write_folder(sequence, target, ".ply", files_beside, [&](std::size_t f) { return writer.bytes(f); });
       break;
     }
     case SequenceFormat::pc2:

@@ -34,9 +34,10 @@ struct SequenceWriteReport {
   double max_error = 0.0;          // metres: quantisation, or interpolation between kept frames
 };
 
-// obj and ply write the folder `target` of NAME_00000.obj ... files; the others the file `target`. Written
-// whole or not at all. Throws `FileError`; refuses to replace a folder that holds anything but frames of an
-// earlier export.
+// obj and ply write the folder `target` of NAME_00000.obj ... files; the others the file `target`. A texture
+// goes along: inside of a glTF file (instead of vertex colours, which viewers would multiply it with), else
+// as NAME_texture.png beside the files that name it (NAME.mtl of OBJ, the PLY). Written whole or not at all.
+// Throws `FileError`; refuses to replace a folder that holds anything but frames of an earlier export.
 SequenceWriteReport write_sequence(const MeshSequence& sequence, const std::filesystem::path& target,
                                    SequenceFormat format, const SequenceWriteOptions& options = {});
 

@@ -43,6 +43,10 @@ void validate(const Topology& topology) {
       }
     }
   }
+  if (topology.texture) {
+    if (!topology.has_uvs()) throw InvalidArgument("a texture needs texture coordinates, but there are none");
+    validate(*topology.texture);
+  }
 }
 
 std::string first_difference(const Topology& a, const Topology& b, const std::string& name_a,

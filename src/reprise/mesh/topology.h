@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "reprise/mesh/image.h"
+
 namespace reprise {
 
 using Triangle = std::array<std::int32_t, 3>;  // vertex indices, counter-clockwise seen from outside
@@ -25,6 +27,9 @@ struct Topology {
   // entry per triangle whose corners index `uvs`.
   std::vector<std::array<float, 2>> uvs;
   std::vector<Triangle> triangle_uvs;
+
+  // Appearance on the texture coordinates, or null. Needs texture coordinates.
+  std::shared_ptr<const Image> texture;
 
   bool has_uvs() const { return !uvs.empty(); }
 };

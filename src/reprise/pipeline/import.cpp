@@ -5,6 +5,7 @@
 
 #include <charconv>
 #include <chrono>
+#include <optional>
 
 #include <fmt/format.h>
 #include <tbb/parallel_pipeline.h>
@@ -46,10 +47,12 @@ void stream_frames(const SequenceReader& reader, DatabaseWriter& writer, Progres
       }));
 }
 
-void copy_clips(const DatabaseReader& reader, DatabaseWriter& writer) {
+void copy_contents(const DatabaseReader& reader, DatabaseWriter& writer) {
+  if (reader.markup()) writer.set_markup(*reader.markup());
   for (std::size_t c = 0; c < reader.clips().size(); ++c) {
     const MeshSequence clip = reader.read_clip(c);
     writer.write_clip(clip);
+    if (const std::optional<ClipTruth> truth = reader.read_truth(c)) writer.set_truth(*truth);
   }
 }
 
@@ -133,7 +136,7 @@ ImportReport import_sequences(const std::filesystem::path& database, const Impor
   }
 
   DatabaseWriter writer(database, topology);
-  if (existing) copy_clips(*existing, writer);
+  if (existing) copy_contents(*existing, writer);
   Progress progress("import", report.frames);
   for (std::size_t s = 0; s < readers.size(); ++s) {
     const ImportSequence& sequence = options.sequences[s];

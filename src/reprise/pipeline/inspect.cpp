@@ -149,6 +149,34 @@ void validate_sequence(const std::filesystem::path& path, ValidationReport& repo
       [&](std::size_t f) { return reader->frame_name(f); }, findings, progress);
 }
 
+nlohmann::json describe_markup(const Markup& markup) {
+  nlohmann::json joints = nlohmann::json::array();
+  for (int j = 0; j < markup.skeleton.size(); ++j) {
+    const Joint& joint = markup.skeleton.joints[static_cast<std::size_t>(j)];
+    joints.push_back(
+        {{"name", joint.name},
+         {"parent",
+          joint.parent < 0
+              ? nlohmann::json()
+              : nlohmann::json(markup.skeleton.joints[static_cast<std::size_t>(joint.parent)].name)},
+         {"vertices", markup.vertices_of_joint(j).size()}});
+  }
+  nlohmann::json parts = nlohmann::json::array();
+  for (const BodyPart& part : markup.parts) {
+    parts.push_back({{"name", part.name}, {"vertices", part.vertices.size()}});
+  }
+  nlohmann::json layers = nlohmann::json::array();
+  for (std::size_t l = 0; l < markup.layers.size(); ++l) {
+    layers.push_back(
+        {{"name", markup.layers[l]},
+         {"vertices", std::ranges::count(markup.layer_of_vertex, static_cast<std::uint8_t>(l))}});
+  }
+  return {{"joints", std::move(joints)},
+          {"unlabelled_vertices", markup.vertices_of_joint(-1).size()},
+          {"parts", std::move(parts)},
+          {"layers", std::move(layers)}};
+}
+
 }  // namespace
 
 nlohmann::json describe_database(const std::filesystem::path& database) {
@@ -163,13 +191,19 @@ nlohmann::json describe_database(const std::filesystem::path& database) {
                      {"seconds", static_cast<double>(clip.frame_count) / clip.frames_per_second},
                      {"colors", clip.has_colors},
                      {"normals", clip.has_normals},
-                     {"provenance", clip.has_origins}});
+                     {"provenance", clip.has_origins},
+                     {"truth", clip.has_truth}});
   }
+  const Topology& topology = *reader.topology();
   return {{"path", database.string()},
-          {"format_version", database_format_version},
-          {"vertices", reader.topology()->vertex_count},
-          {"triangles", reader.topology()->triangles.size()},
-          {"texture_coordinates", reader.topology()->has_uvs()},
+          {"format_version", reader.format_version()},
+          {"vertices", topology.vertex_count},
+          {"triangles", topology.triangles.size()},
+          {"texture_coordinates", topology.has_uvs()},
+          {"texture", topology.texture ? nlohmann::json{{"width", topology.texture->width},
+                                                        {"height", topology.texture->height}}
+                                       : nlohmann::json()},
+          {"markup", reader.markup() ? describe_markup(*reader.markup()) : nlohmann::json()},
           {"frames", frames},
           {"clips", std::move(clips)}};
 }

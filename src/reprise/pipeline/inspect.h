@@ -14,8 +14,10 @@
 
 namespace reprise {
 
-// What a database file holds, read from its heads alone: path, format version, vertices, triangles, UVs, and
-// for each clip its name, frames, rate, seconds, and whether it has colours, normals and provenance.
+// What a database file holds, without its frames: path, format version, vertices, triangles, UVs, size of the
+// texture, markup (joints, parts and layers with their vertex counts), and for each clip its name, frames,
+// rate, seconds, and whether it has colours, normals, provenance and truth. Texture and markup are null if
+// there is none.
 nlohmann::json describe_database(const std::filesystem::path& database);
 
 struct Finding {

@@ -6,15 +6,22 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
 
 #include "reprise/synthetic/figure.h"
+#include "reprise/synthetic/performer.h"
 
 namespace reprise {
 
 struct PerformOptions {
-  std::string costume = "figure";  // the clothed capsule figure
+  // `performer.costume`: a costume, or "figure": the small capsule figure that needs no outside data.
+  PerformerOptions performer;
   FigureOptions figure;
+  // A motion to perform instead of the costume's own clips: .bvh, or .amc with its skeleton .asf. Empty:
+  // none.
+  std::filesystem::path motion;
+  std::filesystem::path motion_skeleton;
+  // Metres per unit of the motion file; 0: 0.01 for BVH, 0.0254 / 0.45 for ASF/AMC (CMU).
+  double motion_scale = 0.0;
 };
 
 struct PerformReport {
@@ -23,7 +30,8 @@ struct PerformReport {
   std::size_t vertices = 0;
 };
 
-// Writes the database whole or not at all. Throws `InvalidArgument` for an unknown costume, `FileError`.
+// Writes the database whole or not at all. Throws `InvalidArgument` for an unknown costume or options that do
+// not go together, `FileError`.
 PerformReport perform(const std::filesystem::path& database, const PerformOptions& options = {});
 
 }  // namespace reprise

@@ -262,6 +262,13 @@ TEST(RenderStage, ParsesSizesRangesAndCameras) {
   }
   EXPECT_EQ(parse_camera("orbit"), CameraMode::orbit);
   EXPECT_THROW(parse_camera("top"), InvalidArgument);
+  EXPECT_EQ(parse_appearance("colors"), Appearance::vertex_colors);
+  EXPECT_THROW(parse_appearance("shiny"), InvalidArgument);
+  parse_look_at("-0.25,0.93", view);
+  EXPECT_EQ(view.look_at, (std::array<double, 2>{-0.25, 0.93}));
+  for (const char* bad : {"", "1", "1,", ",1", "1,2,3", "a,b", "1;2"}) {
+    EXPECT_THROW(parse_look_at(bad, view), InvalidArgument) << bad;
+  }
 }
 
 TEST(RenderStage, WritesTheFramesAskedForAndKeepsForeignFolders) {

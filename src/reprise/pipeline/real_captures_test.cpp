@@ -9,11 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "reprise/io/database_file.h"
-#include "reprise/pipeline/graph.h"
 #include "reprise/pipeline/import.h"
-#include "reprise/pipeline/keyframes.h"
-#include "reprise/pipeline/similarity.h"
-#include "reprise/synthesis/naturalness.h"
+#include "support/promises.h"
 #include "support/test_data.h"
 
 namespace reprise {
@@ -42,47 +39,29 @@ PerformanceDatabase import_fashion() {
   return import_all(sequences);
 }
 
-SurfaceMotionGraph graph_of(const PerformanceDatabase& database) {
-  return make_graph(database, compute_similarity(database, "unused", {.use_cache = false}).matrix, {},
-                    std::nullopt);
-}
-
-// Promised of every synthesised animation: it plays what the path predicts, its joins do not pop, and its
-// triangles are stretched no further than the capture's own.
-void expect_kept_promises(const KeyframesResult& result, const PerformanceDatabase& database) {
-  EXPECT_EQ(result.path.gap(), 0.0);
-  EXPECT_EQ(result.animation.frame_count(), static_cast<std::size_t>(result.path.frame_count));
-  EXPECT_NEAR(ground_distance(ground_trajectory(result.animation), 0, result.animation.frame_count() - 1),
-              result.path.distance, 0.01);
-  const Naturalness natural = evaluate_naturalness(result.animation, database);
-  EXPECT_GT(natural.pop_ratio, 0.0) << "the test needs a blend";
-  EXPECT_LT(natural.pop_ratio, 2.0);
-  EXPECT_LT(natural.edge_stretch_p99, 1.1 * natural.captured_edge_stretch_p99);
-}
-
 TEST(RealCaptures, CraneToJumpingKeepsItsPromises) {
   REPRISE_REQUIRE_DATA();
   const PerformanceDatabase database = import_ama();
-  const SurfaceMotionGraph graph = graph_of(database);
+  const SurfaceMotionGraph graph = test::graph_of(database);
   const auto result = run_keyframes(
       database, graph, {.keyframes = {"crane:20", "jumping:140"}, .distance = 6.0, .time = 10.0});
   ASSERT_TRUE(result.has_value());
-  expect_kept_promises(*result, database);
+  test::expect_kept_promises(*result, database);
   const auto detour =
       run_keyframes(database, graph,
                     {.keyframes = {"jumping:30", "crane:90", "jumping:140"}, .distance = 12.0, .time = 25.0});
   ASSERT_TRUE(detour.has_value());
-  expect_kept_promises(*detour, database);
+  test::expect_kept_promises(*detour, database);
 }
 
 TEST(RealCaptures, WalkRunStopIsMetWithinAStepAndKeepsItsColours) {
   REPRISE_REQUIRE_DATA();
   const PerformanceDatabase database = import_fashion();
   const auto result =
-      run_keyframes(database, graph_of(database),
+      run_keyframes(database, test::graph_of(database),
                     {.keyframes = {"walk:5", "run:17", "run_stop:54"}, .distance = 12.0, .time = 8.0});
   ASSERT_TRUE(result.has_value());
-  expect_kept_promises(*result, database);
+  test::expect_kept_promises(*result, database);
   EXPECT_NEAR(result->path.distance, 12.0, 0.3);
   EXPECT_NEAR(result->path.time, 8.0, 0.4);
   ASSERT_TRUE(result->animation.has_colors());
@@ -94,10 +73,10 @@ TEST(RealCaptures, HorseLoopsThoughItIsOpenAndNotHuman) {
   REPRISE_REQUIRE_DATA();
   const PerformanceDatabase database =
       import_all({"gallop=" + (test::data_folder() / "horse_gallop").string()});
-  const auto result = run_keyframes(database, graph_of(database),
+  const auto result = run_keyframes(database, test::graph_of(database),
                                     {.keyframes = {"gallop:20", "gallop:20"}, .distance = 3.0, .time = 4.0});
   ASSERT_TRUE(result.has_value());
-  expect_kept_promises(*result, database);
+  test::expect_kept_promises(*result, database);
   EXPECT_GT(result->animation.frame_count(), database.frame_count()) << "the loop is played more than once";
 }
 

@@ -14,6 +14,7 @@
 #include "reprise/core/atomic_file.h"
 #include "reprise/core/error.h"
 #include "reprise/core/progress.h"
+#include "reprise/io/image_file.h"
 
 namespace reprise {
 namespace {
@@ -101,6 +102,37 @@ CameraMode parse_camera(const std::string& text) {
   }
   throw InvalidArgument(
       fmt::format("there is no camera '{}'; expected follow, orbit, fixed, front or side", text));
+}
+
+Appearance parse_appearance(const std::string& text) {
+  static constexpr std::array<std::pair<const char*, Appearance>, 4> names = {
+      {{"auto", Appearance::automatic},
+       {"texture", Appearance::texture},
+       {"colors", Appearance::vertex_colors},
+       {"plain", Appearance::plain}}};
+  for (const auto& [name, appearance] : names) {
+    if (text == name) return appearance;
+  }
+  throw InvalidArgument(
+      fmt::format("there is no appearance '{}'; expected auto, texture, colors or plain", text));
+}
+
+void parse_look_at(const std::string& text, RenderOptions& view) {
+  const char* at = text.data();
+  const char* const end = text.data() + text.size();
+  std::array<double, 2> place{};
+  const auto first = std::from_chars(at, end, place[0]);
+  bool is_place = first.ec == std::errc() && first.ptr != end && *first.ptr == ',';
+  if (is_place) {
+    const auto second = std::from_chars(first.ptr + 1, end, place[1]);
+    is_place = second.ec == std::errc() && second.ptr == end;
+  }
+  if (!is_place) {
+    throw InvalidArgument(fmt::format(
+        "'{}' is not a place to look at: expected ACROSS,UP in heights of the character, such as 0,0.93",
+        text));
+  }
+  view.look_at = place;
 }
 
 RenderReport render_sequence(const MeshSequence& sequence, const std::filesystem::path& target,

@@ -33,6 +33,10 @@ struct RenderStageOptions {
 void parse_size(const std::string& text, RenderOptions& view);
 // "follow", "orbit", "fixed", "front", "side". Throws `InvalidArgument` listing them.
 CameraMode parse_camera(const std::string& text);
+// "auto", "texture", "colors", "plain". Throws `InvalidArgument` listing them.
+Appearance parse_appearance(const std::string& text);
+// "ACROSS,UP", such as "0,0.93", into `look_at`. Throws `InvalidArgument`.
+void parse_look_at(const std::string& text, RenderOptions& view);
 
 struct RenderReport {
   std::size_t frames = 0;

@@ -21,8 +21,8 @@ constexpr double degrees = std::numbers::pi / 180.0;
 constexpr double smoothing_seconds = 0.4;  // about half a stride: steps do not shake the camera
 constexpr double fill_height = 0.74;  // part of the picture's height and width that the character may fill
 constexpr double fill_width = 0.86;
-constexpr double light_yaw = -42.0 * degrees;  // from the camera: over its left shoulder
-constexpr double light_pitch = 50.0 * degrees;
+constexpr double light_yaw = -52.0 * degrees;  // from the camera: over its left shoulder
+constexpr double light_pitch = 48.0 * degrees;
 constexpr double penumbra_margin = 0.2;  // metres around the character's own outline in the shadow map
 
 View look_from(double yaw, double pitch) {
@@ -104,6 +104,9 @@ CameraPath::CameraPath(const MeshSequence& sequence, const RenderOptions& option
   check_range("camera_pitch_degrees", options.camera_pitch_degrees, -89.0, 89.0);
   check_range("camera_yaw_degrees", options.camera_yaw_degrees, -1e6, 1e6);
   check_range("field_of_view_degrees", options.field_of_view_degrees, 1.0, 120.0);
+  check_range("zoom", options.zoom, 1.0, 1000.0);
+  check_range("look_at[0]", options.look_at[0], -100.0, 100.0);
+  check_range("look_at[1]", options.look_at[1], -100.0, 100.0);
   const std::size_t frame_count = sequence.frame_count();
   if (frame_count == 0)
     throw InvalidArgument(fmt::format("sequence '{}' has no frame to draw", sequence.name()));
@@ -198,13 +201,25 @@ CameraPath::CameraPath(const MeshSequence& sequence, const RenderOptions& option
   }
   offset_.y() = 0.5 * (side[2] - side[3]);
   // A single point has no size: stand back anyway.
-  distance_ = std::max({distance_x, (side[2] + side[3]) / (2.0 * k_y), 0.01 - fit.nearest});
+  const double distance_y = (side[2] + side[3]) / (2.0 * k_y);
+  distance_ = std::max({distance_x, distance_y, 0.01 - fit.nearest});
+  zoom_in(options, k_y * distance_y / distance_);
 
   const Eigen::Array3d size = extent.high - extent.low;
   light_window_.center = (0.5 * (extent.low + extent.high)).head<2>();
   light_window_.half_size = 0.5 * std::max(size.x(), size.y()) + penumbra_margin;
   light_window_.near = extent.low.z() - penumbra_margin;
   light_window_.far = extent.high.z() + penumbra_margin;
+}
+
+// `framed_half_height`: that of the character, as a tangent.
+void CameraPath::zoom_in(const RenderOptions& options, double framed_half_height) {
+  if (options.zoom > 1.0) {
+    tan_middle_ =
+        framed_half_height * Eigen::Vector2d(2.0 * options.look_at[0], 2.0 * options.look_at[1] - 1.0);
+  }
+  tan_half_width_ /= options.zoom;
+  tan_half_height_ /= options.zoom;
 }
 
 View CameraPath::axes(std::size_t frame_idx) const {

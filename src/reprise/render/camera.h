@@ -43,8 +43,11 @@ class CameraPath {
   Eigen::Vector3d anchor(std::size_t frame_idx) const;
   double ground_height() const { return ground_height_; }
   double distance() const { return distance_; }
+  // The picture shows the directions right / forward and up / forward within these half sizes of the middle,
+  // which is zero unless the options zoom in.
   double tan_half_height() const { return tan_half_height_; }
   double tan_half_width() const { return tan_half_width_; }
+  const Eigen::Vector2d& tan_middle() const { return tan_middle_; }
 
   // Axes of the key light; the origin is the world's.
   const View& light() const { return light_; }
@@ -52,6 +55,7 @@ class CameraPath {
 
  private:
   View axes(std::size_t frame_idx) const;
+  void zoom_in(const RenderOptions& options, double framed_half_height);
 
   CameraMode mode_;
   double yaw_ = 0.0;
@@ -59,6 +63,7 @@ class CameraPath {
   double ground_height_ = 0.0;
   double tan_half_height_ = 0.0;
   double tan_half_width_ = 0.0;
+  Eigen::Vector2d tan_middle_ = Eigen::Vector2d::Zero();
   double distance_ = 0.0;
   Eigen::Vector2d offset_ = Eigen::Vector2d::Zero();  // of the eye from the anchor, along right and up
   std::vector<Eigen::Vector2d> trajectory_;           // smoothed, (x, z)

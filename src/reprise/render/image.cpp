@@ -5,42 +5,11 @@
 #include <cstring>
 
 #include <fmt/format.h>
-#include <png.h>
 
-#include "reprise/core/atomic_file.h"
 #include "reprise/core/error.h"
 #include "reprise/render/renderer.h"
 
 namespace reprise {
-namespace {
-
-void check_image(const Image& image) {
-  const auto expected = 3 * static_cast<std::size_t>(std::max(image.width, 0)) *
-                        static_cast<std::size_t>(std::max(image.height, 0));
-  if (expected == 0 || image.rgb.size() != expected) {
-    throw InvalidArgument(fmt::format("image: expected {} bytes for a picture of {} x {}, found {}", expected,
-                                      image.width, image.height, image.rgb.size()));
-  }
-}
-
-}  // namespace
-
-void write_png(const Image& image, const std::filesystem::path& path) {
-  check_image(image);
-  AtomicOutput output(path, AtomicOutput::Kind::file);
-  png_image png;
-  std::memset(&png, 0, sizeof png);
-  png.version = PNG_IMAGE_VERSION;
-  png.width = static_cast<png_uint_32>(image.width);
-  png.height = static_cast<png_uint_32>(image.height);
-  png.format = PNG_FORMAT_RGB;
-  if (png_image_write_to_file(&png, output.path().c_str(), 0, image.rgb.data(), 0, nullptr) == 0) {
-    const std::string what = png.message;
-    png_image_free(&png);
-    throw FileError(path, fmt::format("cannot be written: {}", what));
-  }
-  output.commit();
-}
 
 Image tile(const std::vector<Image>& images, int columns) {
   if (images.empty() || columns < 1) {
@@ -50,7 +19,7 @@ Image tile(const std::vector<Image>& images, int columns) {
   }
   const Image& first = images.front();
   for (std::size_t i = 0; i < images.size(); ++i) {
-    check_image(images[i]);
+    validate(images[i]);
     if (images[i].width != first.width || images[i].height != first.height) {
       throw InvalidArgument(fmt::format("tile: image {} is {} x {}, but the first is {} x {}", i,
                                         images[i].width, images[i].height, first.width, first.height));

@@ -2,16 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include <cmath>
-#include <cstring>
 #include <functional>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <png.h>
 
 #include "reprise/core/atomic_file.h"
 #include "reprise/core/error.h"
+#include "reprise/io/image_file.h"
 #include "reprise/render/child_process.h"
 #include "reprise/render/plots.h"
 #include "reprise/render/renderer.h"
@@ -35,18 +34,6 @@ Image gradient(int width, int height, int shift = 0) {
       image.rgb.push_back(static_cast<std::uint8_t>(x * y));
     }
   }
-  return image;
-}
-
-Image read_png(const fs::path& path) {
-  png_image png;
-  std::memset(&png, 0, sizeof png);
-  png.version = PNG_IMAGE_VERSION;
-  EXPECT_NE(png_image_begin_read_from_file(&png, path.c_str()), 0) << png.message;
-  png.format = PNG_FORMAT_RGB;
-  Image image{.width = static_cast<int>(png.width), .height = static_cast<int>(png.height)};
-  image.rgb.resize(PNG_IMAGE_SIZE(png));
-  EXPECT_NE(png_image_finish_read(&png, nullptr, image.rgb.data(), 0, nullptr), 0) << png.message;
   return image;
 }
 
@@ -85,24 +72,6 @@ std::size_t occurrences(const std::string& text, const std::string& word) {
   std::size_t count = 0;
   for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) ++count;
   return count;
-}
-
-TEST(WritePng, ReadsBackTheSamePixels) {
-  const TemporaryFolder folder;
-  const Image image = gradient(37, 21);
-  write_png(image, folder / "a.png");
-  EXPECT_EQ(read_png(folder / "a.png").rgb, image.rgb);
-  EXPECT_EQ(entries(folder.path()), 1U);
-}
-
-TEST(WritePng, RefusesAPictureOfTheWrongSizeAndAMissingFolder) {
-  const TemporaryFolder folder;
-  Image image = gradient(8, 8);
-  EXPECT_THROW(write_png(image, folder / "no" / "a.png"), FileError);
-  image.rgb.pop_back();
-  EXPECT_THROW(write_png(image, folder / "a.png"), InvalidArgument);
-  EXPECT_THROW(write_png(Image{}, folder / "a.png"), InvalidArgument);
-  EXPECT_EQ(entries(folder.path()), 0U);
 }
 
 TEST(Tile, PutsEveryImageWholeInItsPlace) {
@@ -206,8 +175,8 @@ TEST(PlotMatrix, ShowsThePaletteAndTheTransitions) {
   const DissimilarityMatrix matrix = striped(60, 40);
   plot_matrix(matrix, {}, folder / "plain.png");
   plot_matrix(matrix, {{.source_clip = 0, .target_clip = 1, .m = 30, .n = 20}}, folder / "marked.png");
-  const Image plain = read_png(folder / "plain.png");
-  const Image marked = read_png(folder / "marked.png");
+  const Image plain = read_image(folder / "plain.png");
+  const Image marked = read_image(folder / "marked.png");
   EXPECT_EQ(plain.width, 1400);
   EXPECT_EQ(plain.height, 1250);
   EXPECT_GT(count_near(plain, {0x44, 0x01, 0x54}), 3000U) << "the diagonal";
@@ -231,7 +200,7 @@ TEST(PlotMatrix, ShowsThePaletteAndTheTransitions) {
 TEST(PlotMatrix, MoreFramesThanPixelsStillFit) {
   const TemporaryFolder folder;
   plot_matrix(striped(1500, 1300), {}, folder / "large.png");
-  EXPECT_EQ(read_png(folder / "large.png").width, 1400);
+  EXPECT_EQ(read_image(folder / "large.png").width, 1400);
 }
 
 TEST(PlotMatrix, RefusesTransitionsOutsideAndLeavesNothing) {

@@ -15,7 +15,9 @@
 
 #include "reprise/core/error.h"
 #include "reprise/render/camera.h"
+#include "reprise/render/character.h"
 #include "reprise/render/gl_context.h"
+#include "reprise/render/gl_objects.h"
 #include "reprise/render/shaders.h"
 
 namespace reprise {
@@ -25,76 +27,6 @@ constexpr int shadow_size = 768;
 constexpr int floor_light_size = 256;
 constexpr int floor_taps = 16;
 constexpr double shadow_reach = 0.13;  // metres: how far beside its caster a shadow ends on the floor
-
-class Program {
- public:
-  Program(const char* vertex_source, const char* fragment_source)
-      : id_(link_program(vertex_source, fragment_source)) {}
-
-  void use() const { glUseProgram(id_); }
-  void set(const char* name, int value) { glUniform1i(location(name), value); }
-  void set(const char* name, double value) { glUniform1f(location(name), static_cast<float>(value)); }
-  void set(const char* name, const Eigen::Vector2d& v) {
-    const Eigen::Vector2f value = v.cast<float>();
-    glUniform2fv(location(name), 1, value.data());
-  }
-  void set(const char* name, const Eigen::Vector3d& v) {
-    const Eigen::Vector3f value = v.cast<float>();
-    glUniform3fv(location(name), 1, value.data());
-  }
-  void set(const char* name, const Eigen::Matrix4d& m) {
-    const Eigen::Matrix4f value = m.cast<float>();
-    glUniformMatrix4fv(location(name), 1, GL_FALSE, value.data());
-  }
-  void set(const char* name, const Eigen::Matrix<double, 2, 3>& m) {
-    const Eigen::Matrix<float, 2, 3> value = m.cast<float>();
-    glUniformMatrix3x2fv(location(name), 1, GL_FALSE, value.data());
-  }
-  void set(const char* name, const std::vector<Eigen::Vector2f>& values) {
-    glUniform2fv(location(name), static_cast<GLsizei>(values.size()), values.front().data());
-  }
-
- private:
-  GLint location(const char* name) {
-    const auto [entry, is_new] = locations_.try_emplace(name, -1);
-    if (is_new) entry->second = glGetUniformLocation(id_, name);
-    return entry->second;
-  }
-
-  GLuint id_;
-  std::map<std::string, GLint, std::less<>> locations_;
-};
-
-GLuint make_texture(GLenum internal_format, int width, int height, GLenum format, GLenum type, GLint filter) {
-  GLuint texture = 0;
-  glGenTextures(1, &texture);
-  glBindTexture(GL_TEXTURE_2D, texture);
-  glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(internal_format), width, height, 0, format, type,
-               nullptr);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);
-  const float lit[] = {1.0F, 1.0F, 1.0F, 1.0F};
-  glTexParameterfv(GL_TEXTURE_2D, GL_TEXTURE_BORDER_COLOR, lit);
-  return texture;
-}
-
-GLuint make_framebuffer() {
-  GLuint framebuffer = 0;
-  glGenFramebuffers(1, &framebuffer);
-  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-  return framebuffer;
-}
-
-void check_framebuffer(const char* what) {
-  const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER);
-  const GLenum error = glGetError();
-  if (status != GL_FRAMEBUFFER_COMPLETE || error != GL_NO_ERROR) {
-    throw Error(fmt::format("the OpenGL driver cannot make a target for {} (status {:#x}, error {:#x})", what,
-                            status, error));
-  }
-}
 
 // Rows of the rotation part, then the translation that puts `origin` at zero.
 Eigen::Matrix4d view_from_world(const View& view) {
@@ -117,38 +49,6 @@ std::vector<Eigen::Vector2f> disk_taps() {
   return taps;
 }
 
-// Moves the triangles of components that enclose a volume to the front and says how many they are. As every
-// vertex lies before the camera and before the light, these see such a component from outside alone.
-std::size_t enclosing_first(std::vector<Triangle>& triangles, const Topology& topology,
-                            const PositionsView& positions) {
-  const ConnectedComponents components = connected_components(topology);
-  const auto component_of = [&](std::int32_t vertex) {
-    return static_cast<std::size_t>(components.of_vertex[static_cast<std::size_t>(vertex)]);
-  };
-  std::vector<double> volumes(static_cast<std::size_t>(components.count), 0.0);
-  std::vector<bool> is_closed(static_cast<std::size_t>(components.count), true);
-  std::vector<std::array<std::int32_t, 2>> edges;
-  for (const Triangle& t : triangles) {
-    const auto corner = [&](std::size_t i) {
-      return Eigen::Vector3d(positions.row(t[i]).cast<double>() - positions.row(0).cast<double>());
-    };
-    volumes[component_of(t[0])] += corner(0).dot(corner(1).cross(corner(2)));
-    for (std::size_t i = 0; i < 3; ++i) edges.push_back({t[i], t[(i + 1) % 3]});
-  }
-  std::sort(edges.begin(), edges.end());
-  for (std::size_t e = 0; e < edges.size(); ++e) {
-    const auto& [a, b] = edges[e];
-    const bool is_repeated = e > 0 && edges[e] == edges[e - 1];
-    if (is_repeated || !std::binary_search(edges.begin(), edges.end(), std::array{b, a})) {
-      is_closed[component_of(a)] = false;
-    }
-  }
-  const auto rest = std::stable_partition(triangles.begin(), triangles.end(), [&](const Triangle& t) {
-    return is_closed[component_of(t[0])] && volumes[component_of(t[0])] > 0.0;
-  });
-  return static_cast<std::size_t>(rest - triangles.begin());
-}
-
 struct Rectangle {
   int x = 0;
   int y = 0;
@@ -168,7 +68,7 @@ struct SequenceRenderer::Impl {
   Impl(const MeshSequence& s, const RenderOptions& o) : sequence(s), options(o), path(s, o) {
     const GlContext::Scope scope(context);
     check_limits();
-    make_buffers();
+    character = std::make_unique<Character>(sequence, options);
     make_targets();
     floor_light_program = std::make_unique<Program>(shaders::screen_vertex, shaders::floor_light_fragment);
     floor_light_program->use();
@@ -182,7 +82,13 @@ struct SequenceRenderer::Impl {
         std::make_unique<Program>(shaders::backdrop_vertex, (shaders::lit_floor_head + floor).c_str());
     plain_floor_program =
         std::make_unique<Program>(shaders::backdrop_vertex, (shaders::plain_floor_head + floor).c_str());
-    surface_program = std::make_unique<Program>(shaders::surface_vertex, shaders::surface_fragment);
+    const bool is_textured = character->is_textured();
+    const std::string surface_vertex =
+        is_textured ? shaders::textured_vertex_head : shaders::colored_vertex_head;
+    const std::string surface_fragment =
+        is_textured ? shaders::textured_fragment_head : shaders::colored_fragment_head;
+    surface_program = std::make_unique<Program>((surface_vertex + shaders::surface_vertex).c_str(),
+                                                (surface_fragment + shaders::surface_fragment).c_str());
     composite_program = std::make_unique<Program>(shaders::screen_vertex, shaders::composite_fragment);
   }
 
@@ -199,36 +105,6 @@ struct SequenceRenderer::Impl {
     if (options.samples > max_samples) {
       throw InvalidArgument(fmt::format("samples: the OpenGL driver offers at most {}, asked for {}",
                                         max_samples, options.samples));
-    }
-  }
-
-  void make_buffers() {
-    glGenVertexArrays(1, &vertex_array);
-    glBindVertexArray(vertex_array);
-    GLuint buffers[4];
-    glGenBuffers(4, buffers);
-    position_buffer = buffers[0];
-    normal_buffer = buffers[1];
-    color_buffer = buffers[2];
-    for (GLuint location = 0; location < 3; ++location) {
-      glBindBuffer(GL_ARRAY_BUFFER, buffers[location]);
-      const bool is_color = location == 2;
-      glVertexAttribPointer(location, 3, is_color ? GL_UNSIGNED_BYTE : GL_FLOAT,
-                            is_color ? GL_TRUE : GL_FALSE, 0, nullptr);
-      glEnableVertexAttribArray(location);
-    }
-    std::vector<Triangle> triangles = sequence.topology()->triangles;
-    enclosing_index_count =
-        static_cast<GLsizei>(3 * enclosing_first(triangles, *sequence.topology(), sequence.frame(0)));
-    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, buffers[3]);
-    glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(triangles.size() * sizeof(Triangle)),
-                 triangles.data(), GL_STATIC_DRAW);
-    index_count = static_cast<GLsizei>(3 * triangles.size());
-    if (!sequence.has_colors()) {
-      const std::vector<Color> colors(sequence.vertex_count(), options.surface_color);
-      upload(color_buffer, colors.data(), colors.size() * sizeof(Color), GL_STATIC_DRAW);
-    } else if (!sequence.has_colors_per_frame()) {
-      upload(color_buffer, sequence.colors(0).data(), sequence.colors(0).size_bytes(), GL_STATIC_DRAW);
     }
   }
 
@@ -282,38 +158,6 @@ struct SequenceRenderer::Impl {
     check_framebuffer("the multisampled character");
   }
 
-  static void upload(GLuint buffer, const void* data, std::size_t size, GLenum usage) {
-    glBindBuffer(GL_ARRAY_BUFFER, buffer);
-    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(size), data, usage);
-  }
-
-  void upload_frame(std::size_t frame_idx) {
-    const PositionsView positions = sequence.frame(frame_idx);
-    const std::size_t size = static_cast<std::size_t>(positions.size()) * sizeof(float);
-    upload(position_buffer, positions.data(), size, GL_STREAM_DRAW);
-    if (sequence.has_normals()) {
-      upload(normal_buffer, sequence.normals(frame_idx).data(), size, GL_STREAM_DRAW);
-    } else {
-      const Positions normals = vertex_normals(*sequence.topology(), positions);
-      upload(normal_buffer, normals.data(), size, GL_STREAM_DRAW);
-    }
-    if (sequence.has_colors_per_frame()) {
-      const auto colors = sequence.colors(frame_idx);
-      upload(color_buffer, colors.data(), colors.size_bytes(), GL_STREAM_DRAW);
-    }
-  }
-
-  // Leaves out inner sides that nobody can see: half the work.
-  void draw_triangles() const {
-    glEnable(GL_CULL_FACE);
-    glDrawElements(GL_TRIANGLES, enclosing_index_count, GL_UNSIGNED_INT, nullptr);
-    glDisable(GL_CULL_FACE);
-    const std::size_t offset = sizeof(GLuint) * static_cast<std::size_t>(enclosing_index_count);
-    // OpenGL takes offsets into a buffer as pointers. NOLINTNEXTLINE(performance-no-int-to-ptr)
-    const auto* rest = reinterpret_cast<const void*>(offset);
-    glDrawElements(GL_TRIANGLES, index_count - enclosing_index_count, GL_UNSIGNED_INT, rest);
-  }
-
   // Depths of the frame as the key light sees them. Returns light clip space from the world; the window moves
   // in whole texels, so that shadow edges do not crawl.
   Eigen::Matrix4d draw_shadow_map(std::size_t frame_idx) {
@@ -338,7 +182,7 @@ struct SequenceRenderer::Impl {
     glClear(GL_DEPTH_BUFFER_BIT);
     shadow_program->use();
     shadow_program->set("light_from_world", light_from_world);
-    draw_triangles();
+    character->draw();
     return light_from_world;
   }
 
@@ -431,7 +275,8 @@ struct SequenceRenderer::Impl {
     // would only hide the character.
     int floor_rows = 0;
     if (options.floor && eye_height > 0.0) {
-      const double horizon = (-1e-4 - view.forward.y()) / (path.tan_half_height() * view.up.y());
+      const double horizon =
+          ((-1e-4 - view.forward.y()) / view.up.y() - path.tan_middle().y()) / path.tan_half_height();
       floor_rows = static_cast<int>(
           std::clamp(std::ceil((0.5 + 0.5 * horizon) * options.height - 0.5), 0.0, 1.0 * options.height));
     }
@@ -448,7 +293,8 @@ struct SequenceRenderer::Impl {
     glBindSampler(0, 0);
     const auto use = [&](Program& program) {
       program.use();
-      program.set("ray_middle", view.forward);
+      program.set("ray_middle", Eigen::Vector3d(view.forward + path.tan_middle().x() * view.right +
+                                                path.tan_middle().y() * view.up));
       program.set("ray_right", Eigen::Vector3d(path.tan_half_width() * view.right));
       program.set("ray_up", Eigen::Vector3d(path.tan_half_height() * view.up));
       program.set("eye_height", eye_height);
@@ -478,14 +324,15 @@ struct SequenceRenderer::Impl {
 
   // From directions over depth, bounds of x and y, to the pixels there, with a margin for anti-aliasing.
   Rectangle pixels_between(const Eigen::Array2d& low, const Eigen::Array2d& high) const {
-    const auto pixel = [](double slope, double half_tangent, int size) {
-      return static_cast<int>(std::clamp((0.5 + 0.5 * slope / half_tangent) * size, -2.0, size + 2.0));
+    const Eigen::Array2d half(path.tan_half_width(), path.tan_half_height());
+    const Eigen::Array2d size(options.width, options.height);
+    const auto pixel = [&](const Eigen::Array2d& slope) -> Eigen::Array2i {
+      const Eigen::Array2d place = (0.5 + 0.5 * (slope - path.tan_middle().array()) / half) * size;
+      return place.max(-2.0).min(size + 2.0).cast<int>();
     };
-    const int left = std::max(pixel(low.x(), path.tan_half_width(), options.width) - 2, 0);
-    const int bottom = std::max(pixel(low.y(), path.tan_half_height(), options.height) - 2, 0);
-    const int right = std::min(pixel(high.x(), path.tan_half_width(), options.width) + 3, options.width);
-    const int top = std::min(pixel(high.y(), path.tan_half_height(), options.height) + 3, options.height);
-    return {left, bottom, std::max(right - left, 0), std::max(top - bottom, 0)};
+    const Eigen::Array2i first = (pixel(low) - 2).max(0);
+    const Eigen::Array2i last = (pixel(high) + 3).min(Eigen::Array2i(options.width, options.height));
+    return {first.x(), first.y(), std::max(last.x() - first.x(), 0), std::max(last.y() - first.y(), 0)};
   }
 
   // The part of the picture that a polygon on the ground covers, (x, z) about the anchor.
@@ -542,6 +389,8 @@ struct SequenceRenderer::Impl {
     Eigen::Matrix4d clip_from_view = Eigen::Matrix4d::Zero();
     clip_from_view(0, 0) = 1.0 / path.tan_half_width();
     clip_from_view(1, 1) = 1.0 / path.tan_half_height();
+    clip_from_view(0, 2) = -path.tan_middle().x() / path.tan_half_width();
+    clip_from_view(1, 2) = -path.tan_middle().y() / path.tan_half_height();
     clip_from_view(2, 2) = (far + near) / (far - near);
     clip_from_view(2, 3) = -2.0 * far * near / (far - near);
     clip_from_view(3, 2) = 1.0;
@@ -563,6 +412,12 @@ struct SequenceRenderer::Impl {
     biased(2, 3) -= 2.0 * texel / (window.far - window.near);
     surface_program->use();
     surface_program->set("shadow", 0);
+    if (character->is_textured()) {
+      glActiveTexture(GL_TEXTURE1);
+      glBindTexture(GL_TEXTURE_2D, character->texture());
+      glActiveTexture(GL_TEXTURE0);
+      surface_program->set("picture", 1);
+    }
     surface_program->set("clip_from_world", Eigen::Matrix4d(clip_from_view * view_from_world(view)));
     surface_program->set("shadow_from_world", biased);
     surface_program->set("shadow_offset", 3.0 * texel);
@@ -571,7 +426,10 @@ struct SequenceRenderer::Impl {
     surface_program->set("to_light", Eigen::Vector3d(-path.light().forward));
     // From beside the camera, opposite to the key light.
     surface_program->set("to_fill", Eigen::Vector3d((view.right * 0.8 - view.forward * 0.6).normalized()));
-    draw_triangles();
+    // From behind the character, high on the side of the fill.
+    surface_program->set(
+        "to_rim", Eigen::Vector3d((view.right * 0.55 + view.forward * 0.65 + view.up * 0.5).normalized()));
+    character->draw();
 
     glBindFramebuffer(GL_READ_FRAMEBUFFER, character_target);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, layer_target);
@@ -615,12 +473,7 @@ struct SequenceRenderer::Impl {
   RenderOptions options;
   CameraPath path;
   GlContext context;
-  GLuint vertex_array = 0;
-  GLuint position_buffer = 0;
-  GLuint normal_buffer = 0;
-  GLuint color_buffer = 0;
-  GLsizei index_count = 0;
-  GLsizei enclosing_index_count = 0;  // the first ones
+  std::unique_ptr<Character> character;
   GLuint shadow_texture = 0;
   GLuint shadow_target = 0;
   GLuint compare_sampler = 0;
@@ -657,7 +510,7 @@ SequenceRenderer::~SequenceRenderer() = default;
 Image SequenceRenderer::draw(std::size_t frame_idx) {
   Impl& impl = *impl_;
   const GlContext::Scope scope(impl.context);
-  impl.upload_frame(frame_idx);
+  impl.character->upload_frame(frame_idx);
   const View view = impl.path.view(frame_idx);
   const Eigen::Matrix4d shadow_from_world = Impl::unit_from_clip() * impl.draw_shadow_map(frame_idx);
   FloorLight light;

@@ -11,6 +11,7 @@
 #include <memory>
 #include <vector>
 
+#include "reprise/mesh/image.h"
 #include "reprise/sequence/mesh_sequence.h"
 
 namespace reprise {
@@ -23,6 +24,13 @@ enum class CameraMode {
   side,    // follows from +X
 };
 
+enum class Appearance {
+  automatic,      // the texture if there is one, else vertex colours, else plain
+  texture,        // of the topology
+  vertex_colors,  // of the sequence
+  plain,          // `surface_color`, to judge the shape alone
+};
+
 struct RenderOptions {
   int width = 1280;
   int height = 720;
@@ -31,24 +39,24 @@ struct RenderOptions {
       35.0;  // follow, orbit, fixed: direction of the camera about the character, 0 = +Z
   double camera_pitch_degrees = 12.0;   // above the horizon
   double field_of_view_degrees = 30.0;  // vertical
-  int samples = 4;                      // multisample anti-aliasing
+  // Enlarges the picture about `look_at`; 1 shows the whole character.
+  double zoom = 1.0;
+  // Middle of the enlarged picture, in heights of the framed character: to the right of its middle, above its
+  // lowest point. (0, 0.93) is a face, (0, 0.03) the feet.
+  std::array<double, 2> look_at = {0.0, 0.5};
+  int samples = 4;  // multisample anti-aliasing
   bool floor = true;
-  Color surface_color = {196, 184, 172};  // where the sequence has no colours
-};
-
-// 8-bit RGB, top row first.
-struct Image {
-  int width = 0;
-  int height = 0;
-  std::vector<std::uint8_t> rgb;  // width x height x 3
+  Appearance appearance = Appearance::automatic;
+  Color surface_color = {196, 184, 172};  // where nothing else is drawn
 };
 
 // Draws the frames of one sequence. One object per thread: it owns its OpenGL context (EGL surfaceless, any
 // Mesa).
 class SequenceRenderer {
  public:
-  // `sequence` must outlive the renderer. Throws `InvalidArgument` for a size or sample count the driver does
-  // not offer, `Error` if there is no headless OpenGL (says which library is missing).
+  // `sequence` must outlive the renderer. Throws `InvalidArgument` for a size, sample count or texture the
+  // driver does not offer and for an appearance the sequence does not have, `Error` if there is no headless
+  // OpenGL (says which library is missing).
   SequenceRenderer(const MeshSequence& sequence, const RenderOptions& options);
   ~SequenceRenderer();
 
@@ -58,9 +66,6 @@ class SequenceRenderer {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
-
-// Throws `FileError`.
-void write_png(const Image& image, const std::filesystem::path& path);
 
 // H.264 in MP4 (yuv420p, playable everywhere), through the `ffmpeg` program. Written whole or not at all.
 class VideoWriter {

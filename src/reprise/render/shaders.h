@@ -160,44 +160,73 @@ void main() {
 }
 )";
 
-inline constexpr const char* surface_vertex = R"(#version 330 core
+// The character. Each surface shader is to be preceded by one of the two heads: what is drawn on the surface,
+// a texture or one colour a vertex.
+inline constexpr const char* colored_vertex_head = R"(#version 330 core
+layout(location = 3) in vec3 color;
+out vec3 paint;
+void pass_paint() {
+  paint = mix(color / 12.92, pow((color + 0.055) / 1.055, vec3(2.4)), step(0.04045, color));
+}
+)";
+inline constexpr const char* colored_fragment_head = R"(#version 330 core
+in vec3 paint;
+vec3 albedo() { return paint; }
+)";
+inline constexpr const char* textured_vertex_head = R"(#version 330 core
+layout(location = 3) in vec2 uv;
+out vec2 paint;
+void pass_paint() { paint = uv; }
+)";
+inline constexpr const char* textured_fragment_head = R"(#version 330 core
+in vec2 paint;
+uniform sampler2D picture;
+vec3 albedo() { return texture(picture, paint).rgb; }
+)";
+
+inline constexpr const char* surface_vertex = R"(
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
-layout(location = 2) in vec3 color;
+layout(location = 2) in vec2 open;
 uniform mat4 clip_from_world;
 uniform mat4 shadow_from_world;
 uniform float shadow_offset;  // metres along the normal
+uniform vec3 to_light;
 uniform vec3 eye;
 out vec3 world_normal;
 out vec3 to_eye;
-out vec3 albedo;
 out vec3 shadow_position;
-vec3 linear_from_srgb(vec3 c) {
-  return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c));
-}
+out vec2 openness;
 void main() {
   gl_Position = clip_from_world * vec4(position, 1.0);
   world_normal = normal;
   to_eye = eye - position;
-  albedo = linear_from_srgb(color);
-  shadow_position = vec3(shadow_from_world * vec4(position + shadow_offset * normal, 1.0));
+  openness = open;
+  // Always towards the light, so that neither side of a surface shades itself.
+  float side = dot(normal, to_light) < 0.0 ? -1.0 : 1.0;
+  shadow_position = vec3(shadow_from_world * vec4(position + side * shadow_offset * normal, 1.0));
+  pass_paint();
 }
 )";
 
-inline constexpr const char* surface_fragment = R"(#version 330 core
+inline constexpr const char* surface_fragment = R"(
 in vec3 world_normal;
 in vec3 to_eye;
-in vec3 albedo;
 in vec3 shadow_position;
+in vec2 openness;  // of the front, of the back
 out vec4 result;
 uniform sampler2DShadow shadow;
 uniform float shadow_step;  // a texel of the shadow map
 uniform vec3 to_light;
 uniform vec3 to_fill;
-const vec3 key_light = vec3(0.98, 0.945, 0.89);
-const vec3 sky_light = vec3(0.46, 0.50, 0.56);
-const vec3 ground_light = vec3(0.22, 0.21, 0.205);
-const vec3 fill_light = vec3(0.26, 0.27, 0.29);
+uniform vec3 to_rim;
+const vec3 key_light = vec3(1.04, 0.985, 0.91);
+const vec3 sky_light = vec3(0.30, 0.335, 0.39);
+const vec3 ground_light = vec3(0.165, 0.15, 0.14);
+const vec3 fill_light = vec3(0.10, 0.105, 0.12);
+const vec3 rim_light = vec3(0.30, 0.31, 0.33);
+// How far light reaches around the terminator: red light farthest, as in skin.
+const vec3 wrap = vec3(0.16, 0.10, 0.08);
 // By square roots, within 0.004 of the exact curve: powers cost a software renderer far more.
 vec3 srgb_from_linear(vec3 c) {
   vec3 r2 = sqrt(c);
@@ -211,6 +240,7 @@ void main() {
   float size = dot(n, n);
   n = size > 1e-12 ? n * inversesqrt(size) : v;  // no triangle of positive area at a corner
   if (!gl_FrontFacing) n = -n;
+  float open_here = gl_FrontFacing ? openness.x : openness.y;
 
   // Each look compares and mixes 2 x 2 texels: together a soft edge of four texels.
   float lit = 0.25 * (texture(shadow, shadow_position + vec3(-shadow_step, -shadow_step, 0.0)) +
@@ -218,13 +248,25 @@ void main() {
                       texture(shadow, shadow_position + vec3(-shadow_step, shadow_step, 0.0)) +
                       texture(shadow, shadow_position + vec3(shadow_step, shadow_step, 0.0)));
 
-  float key = clamp((dot(n, to_light) + 0.08) / 1.08, 0.0, 1.0) * lit;
+  float n_l = dot(n, to_light);
+  vec3 light = key_light * (clamp((n_l + wrap) / (1.0 + wrap), 0.0, 1.0) * lit);
   float up = 0.5 + 0.5 * n.y;
-  vec3 light = key_light * key + mix(ground_light, sky_light, up);
-  light += fill_light * clamp(0.2 + 0.8 * dot(n, to_fill), 0.0, 1.0);
-  float edge = 1.0 - clamp(dot(n, v), 0.0, 1.0);
-  edge *= edge * edge;
-  vec3 color = albedo * light + (0.10 * edge * up) * (0.35 + albedo);
+  vec3 around = mix(ground_light, sky_light, up) + fill_light * clamp(0.2 + 0.8 * dot(n, to_fill), 0.0, 1.0);
+  light += around * open_here;
+  float n_v = clamp(dot(n, v), 0.0, 1.0);
+  float edge = 1.0 - n_v;
+  edge *= edge;
+  // The sheen of skin and cloth: of the key light, and of what stands behind at grazing angles.
+  vec3 h = normalize(v + to_light);
+  float n_h = clamp(dot(n, h), 0.0, 1.0);
+  n_h *= n_h;
+  n_h *= n_h;
+  n_h *= n_h;
+  n_h *= n_h;
+  vec3 sheen = key_light * (0.07 * n_h * lit * clamp(4.0 * n_l, 0.0, 1.0));
+  sheen += rim_light * (edge * open_here * (0.12 * up + clamp(dot(n, to_rim), 0.0, 1.0)));
+  vec3 paint_here = albedo();
+  vec3 color = paint_here * light + sheen * (0.4 + 0.6 * paint_here);
   // A soft shoulder from 0.75 keeps pale colours from burning out.
   vec3 above = max(color - 0.75, 0.0);
   color = min(color, vec3(0.75)) + above / (1.0 + 4.0 * above);

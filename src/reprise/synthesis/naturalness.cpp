@@ -127,9 +127,10 @@ struct MeanSpeed {
   double mean() const { return count == 0 ? 0.0 : 100.0 * sum / static_cast<double>(count); }
 };
 
-class FootContacts {
+class ContactDetector {
  public:
-  FootContacts(const PerformanceDatabase& database, const NaturalnessOptions& options) : options_(options) {
+  ContactDetector(const PerformanceDatabase& database, const NaturalnessOptions& options)
+      : options_(options) {
     for (const MeshSequence& clip : database.clips()) {
       std::vector<double> lowest(clip.frame_count());
       for (std::size_t f = 0; f < lowest.size(); ++f)
@@ -223,7 +224,7 @@ Naturalness evaluate_naturalness(const MeshSequence& result, const PerformanceDa
     report.captured_pop_ratio = std::ranges::max(captured_peaks) / report.captured_acceleration_p99;
   }
 
-  const FootContacts contacts(database, options);
+  const ContactDetector contacts(database, options);
   MeanSpeed drift;
   MeanSpeed blend_drift;
   for (std::size_t f = 0; f + 1 < frames.size(); ++f) {

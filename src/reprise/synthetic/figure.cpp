@@ -10,9 +10,36 @@
 #include "reprise/core/error.h"
 #include "reprise/core/interrupt.h"
 #include "reprise/core/parallel.h"
+#include "reprise/database/body_parts.h"
 #include "reprise/synthetic/figure_skin.h"
 
 namespace reprise {
+
+namespace {
+
+Markup true_markup(const figure::Body& body, double scale) {
+  Markup markup;
+  for (int joint = 0; joint < figure::joint_count; ++joint) {
+    markup.skeleton.joints.push_back({.name = figure::joint_name(joint),
+                                      .parent = figure::parent_of(joint),
+                                      .rest_position = scale * figure::rest_position(joint)});
+  }
+  markup.reference.resize(static_cast<Eigen::Index>(body.points.size()), 3);
+  for (std::size_t v = 0; v < body.points.size(); ++v) {
+    markup.reference.row(static_cast<Eigen::Index>(v)) = (scale * body.points[v]).transpose().cast<float>();
+    markup.joint_of_vertex.push_back(body.hem[v] > 0.2 ? -1 : body.bindings[v].joints.front());
+  }
+  markup.parts = body_parts(*body.topology, markup.reference, markup.skeleton, markup.joint_of_vertex);
+  return markup;
+}
+
+SkeletonPose scaled(const figure::Pose& pose, double scale) {
+  SkeletonPose scaled{.rotation = {pose.rotation.begin(), pose.rotation.end()}, .position = {}};
+  for (const Eigen::Vector3d& position : pose.position) scaled.position.push_back(scale * position);
+  return scaled;
+}
+
+}  // namespace
 
 PerformanceDatabase make_figure(const FigureOptions& options) {
   const auto require = [](bool ok, const char* name, const char* range, double found) {
@@ -29,6 +56,7 @@ PerformanceDatabase make_figure(const FigureOptions& options) {
   const figure::Body body = figure::make_body(voxel_size);
   const std::vector<figure::ClipPlan> plans = figure::clip_plans();
   std::vector<MeshSequence> clips(plans.size());
+  std::vector<ClipTruth> truths(plans.size());
   parallel_for(0, plans.size(), [&](std::size_t c) {
     const figure::Motion motion(plans[c]);
     const auto frame_count =
@@ -37,7 +65,11 @@ PerformanceDatabase make_figure(const FigureOptions& options) {
     const auto hem = figure::Hem::simulate(body, motion, frame_count, options.frames_per_second);
     for (std::size_t f = 0; f < frame_count; ++f) {
       throw_if_interrupted();
-      const figure::Skin skin(body, motion.pose(static_cast<double>(f) / options.frames_per_second));
+      const double time = static_cast<double>(f) / options.frames_per_second;
+      const figure::Pose pose = motion.pose(time);
+      truths[c].poses.push_back(scaled(pose, scale));
+      truths[c].contacts.push_back({motion.flat_footed(0, time), motion.flat_footed(1, time)});
+      const figure::Skin skin(body, pose);
       PositionsRef positions = clip.frame(f);
       for (std::size_t v = 0; v < body.points.size(); ++v) {
         const Eigen::Vector3d point = skin(v) + figure::Hem::displacement(body, hem[f], v);
@@ -50,6 +82,8 @@ PerformanceDatabase make_figure(const FigureOptions& options) {
 
   PerformanceDatabase database;
   for (MeshSequence& clip : clips) database.add(std::move(clip));
+  database.set_markup(true_markup(body, scale));
+  for (std::size_t c = 0; c < truths.size(); ++c) database.set_truth(c, std::move(truths[c]));
   return database;
 }
 

@@ -26,9 +26,11 @@ struct FigureOptions {
 //   start       stands, then walks
 //   stop        walks, then stands
 //   wave        waves the right hand while standing
-// Every clip begins at the origin along +Z with Y up. Soles stand still in stance. Lengths and speeds scale
-// with the height. Deterministic: the same bytes on any number of threads. Throws `InvalidArgument` for a
-// rate outside 5 to 500, a height outside 0.1 to 10 m, or voxels outside 1/437 to 1/18 of the height.
+// Every clip carries its true joints, and the contact of a foot whose whole sole lies still; the surface is
+// marked up. Every clip begins at the origin along +Z with Y up. Soles stand still in stance. Lengths and
+// speeds scale with the height. Deterministic: the same bytes on any number of threads. Throws
+// `InvalidArgument` for a rate outside 5 to 500, a height outside 0.1 to 10 m, or voxels outside 1/437 to
+// 1/18 of the height.
 PerformanceDatabase make_figure(const FigureOptions& options = {});
 
 }  // namespace reprise

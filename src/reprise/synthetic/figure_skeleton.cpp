@@ -48,6 +48,23 @@ Eigen::Vector3d left_position(int joint) {
 
 }  // namespace
 
+std::string joint_name(int joint) {
+  static constexpr std::array<const char*, upper_arm + side_joints> names = {
+      "pelvis",  "spine", "chest", "neck", "head", "upper_arm",
+      "forearm", "hand",  "thigh", "shin", "foot", "toe"};
+  if (joint < upper_arm) return names[static_cast<std::size_t>(joint)];
+  const bool is_left = joint < sided(upper_arm, 1);
+  return std::string(is_left ? "left_" : "right_") +
+         names[static_cast<std::size_t>(is_left ? joint : joint - side_joints)];
+}
+
+int parent_of(int joint) {
+  if (joint <= head) return joint - 1;
+  const int first = joint < sided(upper_arm, 1) ? upper_arm : sided(upper_arm, 1);
+  const int left = joint - first + upper_arm;
+  return left == upper_arm ? int{chest} : left == thigh ? int{pelvis} : joint - 1;
+}
+
 Eigen::Vector3d rest_position(int joint) {
   if (joint < sided(upper_arm, 1)) return left_position(joint);
   const Eigen::Vector3d left = left_position(joint - side_joints);

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <string>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -40,6 +41,10 @@ constexpr double side_sign(int side) {
 
 // All lengths of the figure are given for this height, in metres, and scaled at the end.
 constexpr double design_height = 1.75;
+
+// "pelvis", "left_upper_arm" and so on; and the joint it hangs on, -1 for the pelvis.
+std::string joint_name(int joint);
+int parent_of(int joint);
 
 // Rest position of a joint, metres.
 Eigen::Vector3d rest_position(int joint);

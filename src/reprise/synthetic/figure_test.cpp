@@ -329,5 +329,27 @@ TEST(Figure, SurfaceWithAHandleIsRefused) {
   EXPECT_LT(to_pin, 1e-6);
 }
 
+TEST(Figure, MarkupAndTruthDescribeTheSurface) {
+  const PerformanceDatabase& database = performer();
+  ASSERT_TRUE(database.markup());
+  const Markup& markup = *database.markup();
+  EXPECT_EQ(markup.parts.size(), 6U);
+  const int head = markup.skeleton.joint_idx("head");
+  const ClipTruth* truth = database.truth(database.clip_idx("jog"));
+  ASSERT_NE(truth, nullptr);
+  const MeshSequence& jog = clip_of("jog");
+  ASSERT_EQ(truth->poses.size(), jog.frame_count());
+  ASSERT_EQ(truth->contacts.size(), jog.frame_count());
+  // The head is rigid: where its joint says it is, there its vertices are.
+  for (std::size_t f = 0; f < jog.frame_count(); f += 9) {
+    const Eigen::Isometry3d moved = truth->poses[f].world_from_rest(markup.skeleton, head);
+    for (const std::int32_t v : markup.vertices_of_joint(head)) {
+      if (body().bindings[static_cast<std::size_t>(v)].weights.front() < 1.0) continue;
+      const Vector3d expected = moved * Vector3d(markup.reference.row(v).transpose().cast<double>());
+      EXPECT_LT((expected - jog.frame(f).row(v).transpose().cast<double>()).norm(), 1e-5);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace reprise
