@@ -35,7 +35,7 @@ no_partial_files() {
 # A small performance to work on.
 expect 0 "figure.reprise" "$reprise" perform -o figure.reprise --voxel-size 0.06
 expect 0 "walk" "$reprise" info figure.reprise
-expect 0 '"format_version": 1' "$reprise" info figure.reprise --json
+expect 0 '"format_version": 2' "$reprise" info figure.reprise --json
 expect 0 "usable" "$reprise" validate figure.reprise
 expect 0 "metric vertex" "$reprise" similarity figure.reprise --metric vertex
 expect 0 "kept from an earlier run" "$reprise" similarity figure.reprise --metric vertex
@@ -49,12 +49,34 @@ expect 0 "new.pc2" "$reprise" export new.reprise -o new.pc2
 expect 0 "frames" "$reprise" export figure.reprise --clip walk -o walk --format obj
 expect 0 "frames" "$reprise" export figure.reprise --clip stand -o stand --format ply
 
+# Markup and skeletons
+expect 0 "19 joints" "$reprise" info figure.reprise
+expect 0 "degrees from the truth" "$reprise" skeleton figure.reprise -o bvh --report skeleton.json
+expect 0 "HIERARCHY" cat bvh/walk.bvh
+expect 0 '"mean_angle_degrees"' cat skeleton.json
+expect 0 "walk" "$reprise" skeleton figure.reprise --clip walk --position centroid
+expect 0 "markup.json: 19 joints, 6 parts" "$reprise" markup figure.reprise --write-json markup.json
+expect 0 "marked.reprise: 19 joints" "$reprise" markup figure.reprise --file markup.json -o marked.reprise
+cmp -s figure.reprise marked.reprise || fail "a markup written and read back changed the database"
+expect 0 "19 joints" "$reprise" info new.reprise
+expect 1 "did you mean 'walk'" "$reprise" skeleton figure.reprise --clip wlak
+expect 1 "another.txt: expected a name that ends in .json" "$reprise" skeleton figure.reprise --report another.txt
+expect 1 "expected landmarks or a markup file" "$reprise" markup figure.reprise -o marked.reprise
+expect 1 "nothing to do" "$reprise" markup figure.reprise
+expect 2 "excludes" "$reprise" markup figure.reprise --file markup.json --landmarks markup.json -o marked.reprise
+expect 1 "is not a landmark file" "$reprise" markup figure.reprise --landmarks markup.json -o marked.reprise
+echo '{"format": "reprise landmarks", "version": 1, "landmarks": {"nose": 3}}' > landmarks.json
+expect 1 "names no frame" "$reprise" markup figure.reprise --landmarks landmarks.json -o marked.reprise
+expect 1 "there is no landmark 'nose'" "$reprise" markup figure.reprise --landmarks landmarks.json --frame walk:0 \
+  -o marked.reprise
+expect 1 "not written over" "$reprise" markup figure.reprise --file markup.json -o figure.reprise
+
 # The command line itself
 expect 2 "subcommand" "$reprise"
 expect 2 "there is no command 'nonsense'" "$reprise" nonsense
 expect 2 "did you mean 'keyframes'" "$reprise" keyframe
 expect 2 "--output is required" "$reprise" graph figure.reprise
-for command in perform import info validate similarity graph keyframes export render "evaluate naturalness"; do
+for command in perform import info validate markup skeleton similarity graph keyframes export render "evaluate naturalness"; do
   # shellcheck disable=SC2086
   expect 0 "OPTIONS" "$reprise" $command --help
 done
@@ -105,6 +127,7 @@ expect 1 "asked for 9999" "$reprise" keyframes figure.reprise --graph graph.json
 expect 1 "CLIP:FRAME" "$reprise" keyframes figure.reprise --graph graph.json --from walk --to wave:2 -o new.reprise
 "$reprise" export figure.reprise --clip stand -o stand_obj --format obj > out.txt 2>&1 || fail "export of OBJ"
 expect 0 "2 clips imported" "$reprise" import pair.reprise --sequence walk=walk --sequence stand=stand_obj -v
+expect 1 "has no markup" "$reprise" skeleton pair.reprise
 expect 0 "transitions" "$reprise" graph pair.reprise -o pair.json --remove 'walk->stand'
 expect 0 "transitions" "$reprise" graph pair.reprise -o pair.json
 expect 1 "no path" "$reprise" keyframes pair.reprise --graph pair.json --from walk:1 --to stand:9 --distance 1 --time 1 -o new.reprise

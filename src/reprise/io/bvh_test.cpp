@@ -3,7 +3,9 @@
 
 #include "reprise/io/bvh.h"
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <random>
 #include <sstream>
@@ -13,6 +15,7 @@
 
 #include "reprise/core/atomic_file.h"
 #include "reprise/core/error.h"
+#include "reprise/io/acclaim_skeleton.h"
 #include "support/test_data.h"
 
 namespace reprise {
@@ -326,6 +329,31 @@ TEST(BvhWriter, RefusesWhatCannotBeWritten) {
   motion.skeleton.joints[1].name = "left_hand";
   EXPECT_THAT([&] { format_bvh(motion); },
               ThrowsMessage<InvalidArgument>(HasSubstr("two joints would be called 'left_hand'")));
+}
+
+// Inputs that fuzzing made of good files, and files that lie about their sizes; of other formats too.
+TEST(MotionCorpus, EveryFileIsReadOrRefusedWithAMessage) {
+  int count = 0;
+  for (const auto& entry :
+       std::filesystem::recursive_directory_iterator(REPRISE_SOURCE_DIR "/tests/fuzz/corpus")) {
+    if (!entry.is_regular_file()) continue;
+    ++count;
+    const std::string bytes = read_text_file(entry.path());
+    const std::size_t middle = std::min(bytes.find("\n%%\n"), bytes.size());
+    for (const auto& parse : std::initializer_list<std::function<void()>>{
+             [&] { validate(parse_bvh(bytes, entry.path()).skeleton); },
+             [&] {
+               const AcclaimSkeleton skeleton = parse_asf(bytes.substr(0, middle), entry.path());
+               parse_amc(bytes.substr(std::min(bytes.size(), middle + 4)), entry.path(), skeleton);
+             }}) {
+      try {
+        parse();
+      } catch (const FileError& error) {
+        EXPECT_THAT(error.what(), HasSubstr(entry.path().filename().string()));
+      }
+    }
+  }
+  EXPECT_GE(count, 30);
 }
 
 TEST(BvhRealFiles, AllAreReadAndStandUpright) {

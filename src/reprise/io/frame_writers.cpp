@@ -52,12 +52,13 @@ Positions export_normals(const MeshSequence& sequence, std::size_t frame_idx) {
   return vertex_normals(*sequence.topology(), sequence.frame(frame_idx));
 }
 
-bool is_exported_frame(const std::filesystem::path& path) {
-  std::array<char, 128> start{};
+bool is_exported_frame(const std::filesystem::path& path, std::string_view naming) {
+  std::array<char, 1024> start{};
   std::ifstream stream(path, std::ios::binary);
   stream.read(start.data(), start.size());
-  return std::string_view(start.data(), static_cast<std::size_t>(stream.gcount())).find(mark) !=
-         std::string_view::npos;
+  const std::string_view text(start.data(), static_cast<std::size_t>(stream.gcount()));
+  return text.substr(0, 128).find(mark) != std::string_view::npos &&
+         text.find(naming) != std::string_view::npos;
 }
 
 // ---- OBJ

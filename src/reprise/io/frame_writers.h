@@ -8,6 +8,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "reprise/io/uv_seams.h"
 #include "reprise/sequence/mesh_sequence.h"
@@ -18,7 +19,8 @@ namespace reprise {
 Positions export_normals(const MeshSequence& sequence, std::size_t frame_idx);
 
 // True if the file carries the mark that both writers below put in: it may be replaced.
-bool is_exported_frame(const std::filesystem::path& path);
+// `naming`: if not empty, it also must name this file.
+bool is_exported_frame(const std::filesystem::path& path, std::string_view naming = {});
 
 // Names of the files beside the frames of a textured sequence, from the stem of theirs.
 std::string material_file_name(const std::string& stem);

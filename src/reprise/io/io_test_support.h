@@ -50,6 +50,17 @@ inline MeshSequence dressed_walk(const std::string& name, std::size_t frame_coun
   return clip;
 }
 
+// The same with a picture on its texture coordinates.
+inline MeshSequence textured_walk(const std::string& name, std::size_t frame_count) {
+  MeshSequence clip = dressed_walk(name, frame_count);
+  Image image{.width = 6, .height = 4};
+  for (int i = 0; i < 72; ++i) image.rgb.push_back(static_cast<std::uint8_t>(37 * i));
+  Topology topology = *clip.topology();
+  topology.texture = std::make_shared<const Image>(std::move(image));
+  clip.share_topology(std::make_shared<const Topology>(std::move(topology)));
+  return clip;
+}
+
 // While it lives, no file of this process can grow beyond `bytes`: writing further fails as on a full disk.
 class FullDisk {
  public:

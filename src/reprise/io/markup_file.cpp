@@ -92,7 +92,7 @@ std::optional<Eigen::Vector3d> border(const Topology& topology, const Markup& ma
       const std::int32_t q = triangle[(k + 1) % 3];
       if (markup.joint_of_vertex[static_cast<std::size_t>(p)] != a ||
           markup.joint_of_vertex[static_cast<std::size_t>(q)] != b) {
-        continue;  // the other direction comes with the triangle on the other side, or with the roles turned
+        continue;  // each edge comes once in each direction
       }
       sum += 0.5 * (markup.reference.row(p) + markup.reference.row(q)).transpose().cast<double>();
       ++count;

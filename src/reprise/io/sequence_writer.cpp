@@ -168,7 +168,7 @@ void write_cache(const MeshSequence& sequence, const fs::path& target, SequenceF
     if (sequence.topology()->texture) {
       texture_name = texture_file_name(beside.stem().string());
       const fs::path path = beside.parent_path() / texture_name;
-      if (fs::exists(path) && !fs::exists(beside)) {
+      if (fs::exists(path) && !is_exported_frame(beside, texture_name)) {
         throw FileError(path,
                         "is left as it is: it is not of an earlier export; move it or choose another name");
       }

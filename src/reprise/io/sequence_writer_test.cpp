@@ -16,6 +16,7 @@
 #include "reprise/core/atomic_file.h"
 #include "reprise/core/error.h"
 #include "reprise/io/frame_thinning.h"
+#include "reprise/io/image_file.h"
 #include "reprise/io/io_test_support.h"
 #include "reprise/io/sequence_reader.h"
 #include "reprise/io/uv_seams.h"
@@ -239,6 +240,13 @@ class Glb {
     return result;
   }
 
+  // The bytes of a buffer view.
+  std::string_view view(std::size_t view_idx) const {
+    const json& view = document["bufferViews"][view_idx];
+    return std::string_view(bytes_).substr(binary_ + view["byteOffset"].get<std::size_t>(),
+                                           view["byteLength"].get<std::size_t>());
+  }
+
   const json& primitive() const { return document["meshes"][0]["primitives"][0]; }
   const json& sampler() const { return document["animations"][0]["samplers"][0]; }
   std::size_t target_count() const { return primitive().value("targets", json::array()).size(); }
@@ -348,6 +356,27 @@ TEST(Gltf, CornersKeepTheirUvAndVerticesTheirLinearColor) {
   }
 }
 
+TEST(Gltf, TheTextureIsInsideAndNothingIsMultipliedWithIt) {
+  const test::TemporaryFolder folder;
+  const MeshSequence clip = test::textured_walk("walk", 3);
+  ASSERT_TRUE(clip.has_colors());
+  for (const bool quantize : {false, true}) {
+    write_sequence(clip, folder / "a.glb", SequenceFormat::gltf, {.quantize = quantize});
+    const Glb glb(folder / "a.glb");
+    EXPECT_FALSE(glb.primitive()["attributes"].contains("COLOR_0"));
+    const json& look = glb.document["materials"][0]["pbrMetallicRoughness"];
+    const json& texture = glb.document["textures"][look["baseColorTexture"]["index"].get<std::size_t>()];
+    const json& image = glb.document["images"][texture["source"].get<std::size_t>()];
+    EXPECT_EQ(image["mimeType"], "image/png");
+    EXPECT_EQ(decode_png(std::as_bytes(std::span(glb.view(image["bufferView"].get<std::size_t>())))),
+              *clip.topology()->texture);
+    // glTF's v = 0 is the top of the picture.
+    const std::vector<double> uvs = glb.values(glb.primitive()["attributes"]["TEXCOORD_0"]);
+    const SeamCut cut = cut_at_seams(*clip.topology());
+    for (std::size_t i = 0; i < cut.uvs.size(); ++i) EXPECT_EQ(uvs[2 * i + 1], 1.0F - cut.uvs[i][1]);
+  }
+}
+
 TEST(Gltf, ChangingColorsPlayToo) {
   const test::TemporaryFolder folder;
   const MeshSequence clip = test::dressed_walk("walk", 4, true);
@@ -450,6 +479,8 @@ TEST(Gltf, TheKhronosValidatorFindsNoError) {
   write(test::dressed_walk("walk", 4, true), "colors_quantised.glb", {.quantize = true});
   write(test::walk("walk", 300), "long.glb", {});
   write(test::walk("pose", 1), "pose.glb", {});
+  write(test::textured_walk("walk", 4), "textured.glb", {});
+  write(test::textured_walk("walk", 4), "textured_quantised.glb", {.quantize = true});
   write(loose, "loose.glb", {});
   write(loose, "loose_quantised.glb", {.quantize = true});
   const std::string command = "NODE_MODULES='" + modules.string() + "' node '" + REPRISE_SOURCE_DIR +

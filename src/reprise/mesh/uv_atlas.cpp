@@ -82,14 +82,14 @@ class Atlas {
     return options_.group_of_triangle.empty() ? 0 : options_.group_of_triangle[t];
   }
 
-  // Cuts the set into charts that can be flattened.
-  void cover(const std::vector<std::int32_t>& triangles, double min_cosine) {
+  // Cuts the set into charts of up to `most` triangles that can be flattened.
+  void cover(const std::vector<std::int32_t>& triangles, double min_cosine, std::size_t most) {
     for (const std::int32_t t : triangles) chart_[t] = in_hand;
     std::vector<std::vector<std::int32_t>> rejected;
     while (true) {
       const std::int32_t seed = innermost(triangles);
       if (seed < 0) break;
-      std::vector<std::int32_t> grown = grow(seed, min_cosine);
+      std::vector<std::int32_t> grown = grow(seed, min_cosine, most);
       std::optional<FlatChart> flat = flatten(mesh_, grown, mean_direction(grown));
       const auto id = static_cast<std::int32_t>(charts_.size());
       if (flat) {
@@ -102,8 +102,9 @@ class Atlas {
         rejected.push_back(std::move(grown));
       }
     }
-    // Flatter pieces are smaller: down to single triangles, which always can be.
-    for (const auto& piece : rejected) cover(piece, std::min(0.999, 0.5 * (min_cosine + 1.0)));
+    // Flatter and smaller pieces: down to single triangles, which always can be.
+    for (const auto& piece : rejected)
+      cover(piece, std::min(0.999, 0.5 * (min_cosine + 1.0)), (piece.size() + 1) / 2);
   }
 
   // The triangle in hand that is most edges away from those that are not.
@@ -141,7 +142,7 @@ class Atlas {
   }
 
   // Adds neighbours while the set stays a disc, those first that look most like it.
-  std::vector<std::int32_t> grow(std::int32_t seed, double min_cosine) {
+  std::vector<std::int32_t> grow(std::int32_t seed, double min_cosine, std::size_t most) {
     const std::int32_t mark = ++grow_mark_;
     std::vector<std::int32_t> grown{seed};
     Vector3d sum = area_vectors_[seed];
@@ -169,7 +170,7 @@ class Atlas {
       }
     };
     push(seed);
-    while (!queue.empty()) {
+    while (!queue.empty() && grown.size() < most) {
       const std::int32_t t = queue.top().second;
       queue.pop();
       if (chart_[t] != in_hand || cosine(t, sum) < min_cosine) continue;

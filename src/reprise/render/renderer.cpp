@@ -420,8 +420,8 @@ struct SequenceRenderer::Impl {
     }
     surface_program->set("clip_from_world", Eigen::Matrix4d(clip_from_view * view_from_world(view)));
     surface_program->set("shadow_from_world", biased);
-    surface_program->set("shadow_offset", 3.0 * texel);
-    surface_program->set("shadow_step", 1.0 / shadow_size);
+    surface_program->set("shadow_offset", 4.0 * texel);
+    surface_program->set("shadow_step", 1.6 / shadow_size);
     surface_program->set("eye", view.eye);
     surface_program->set("to_light", Eigen::Vector3d(-path.light().forward));
     // From beside the camera, opposite to the key light.

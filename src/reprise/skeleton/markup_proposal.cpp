@@ -127,7 +127,8 @@ class Proposal {
   };
   Cut cut(const std::string& landmark, std::uint32_t separated, const std::string& tip,
           const std::string& trunk) const {
-    const std::vector<std::int32_t> loop = loops_.loop(landmarks_.at(landmark), separated);
+    const std::vector<std::int32_t> loop =
+        loops_.loop(landmarks_.at(landmark), separated, landmarks_.at(tip));
     Cut made;
     if (!loop.empty()) {
       made.centre = loops_.centroid(loop);

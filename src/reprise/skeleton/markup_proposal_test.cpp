@@ -88,7 +88,9 @@ TEST(MarkupProposal, FindsTheBonesOfTheFigure) {
       const Joint& found =
           proposed.skeleton.joints[static_cast<std::size_t>(proposed.skeleton.joint_idx(s + name))];
       const Joint& expected = truth.joints[static_cast<std::size_t>(truth.joint_idx(s + name))];
-      EXPECT_LT((found.rest_position - expected.rest_position).norm(), 0.05) << s << name;
+      // The figure's tunic hides its hips.
+      const double bound = std::string(name) == "thigh" ? 0.07 : 0.05;
+      EXPECT_LT((found.rest_position - expected.rest_position).norm(), bound) << s << name;
     }
   }
   // Labels of the limbs and the head: the trunk is divided by another rule than the figure's.
@@ -160,19 +162,20 @@ TEST(MarkupProposal, SaysWhatIsWrongWithLandmarks) {
               ThrowsMessage<InvalidArgument>(HasSubstr("left_knee")));
 }
 
-// On a sphere the shortest loop through a point of the equator that separates the poles is the equator.
+// On an egg the shortest loop through a point of the equator that goes around it is the equator.
 TEST(SurfaceLoop, IsTheShortestThatSeparates) {
-  const test::Shape sphere = test::sphere(4);
+  test::Shape sphere = test::sphere(4);
+  sphere.positions.col(1) = (3.0F * sphere.positions.col(1).array() - 2.0F).matrix();
   const PositionsView positions(sphere.positions.data(), sphere.positions.rows(), 3);
   const auto nearest = [&](const Eigen::RowVector3f& point) {
     Eigen::Index best = 0;
     (sphere.positions.rowwise() - point).rowwise().squaredNorm().minCoeff(&best);
     return static_cast<std::int32_t>(best);
   };
-  const std::int32_t north = nearest({0, 2, 0});
-  const std::int32_t south = nearest({0, 0, 0});
+  const std::int32_t north = nearest({0, 4, 0});
+  const std::int32_t south = nearest({0, -2, 0});
   const skeleton::LoopFinder finder(*sphere.topology, positions, north, std::array{south});
-  const std::vector<std::int32_t> loop = finder.loop(nearest({1, 1, 0}), 1);
+  const std::vector<std::int32_t> loop = finder.loop(nearest({1, 1, 0}), 1, south);
   ASSERT_GT(loop.size(), 8U);
   double length = 0.0;
   for (std::size_t i = 0; i < loop.size(); ++i) {
@@ -186,8 +189,8 @@ TEST(SurfaceLoop, IsTheShortestThatSeparates) {
   EXPECT_FALSE(beyond[static_cast<std::size_t>(north)]);
   const auto count = static_cast<double>(std::ranges::count(beyond, true));
   EXPECT_NEAR(count / static_cast<double>(beyond.size()), 0.5, 0.1);
-  // A loop that separates nothing is no loop around anything; two pieces have no path.
-  EXPECT_TRUE(finder.loop(north, 2).empty());
+  // There is no second terminal to separate.
+  EXPECT_TRUE(finder.loop(nearest({1, 1, 0}), 2, south).empty());
 }
 
 TEST(SurfaceLoop, NeedsOnePiece) {

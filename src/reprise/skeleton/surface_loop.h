@@ -23,11 +23,12 @@ class LoopFinder {
   LoopFinder(const Topology& topology, const PositionsView& positions, std::int32_t base,
              std::span<const std::int32_t> terminals);
 
-  // The shortest closed walk over edges through (or, where that is shorter, from near) `through` that
-  // separates exactly the terminals with a bit in `separated` from the base: on a closed surface of genus 0 a
-  // loop does so if a path of triangles from the base to the terminal crosses it an odd number of times.
-  // Vertices in order, each once; empty if there is no such loop.
-  std::vector<std::int32_t> loop(std::int32_t through, std::uint32_t separated) const;
+  // The shortest loop over edges through (or close by) `through` that separates exactly the terminals with a
+  // bit in `separated` from the base: on a closed surface of genus 0 a loop does so if a path of triangles
+  // from the base to the terminal crosses it an odd number of times. It keeps off `tip`, the end of the limb
+  // that it goes around: over the half of the surface nearer to it, a way there and back could be shorter
+  // than the way around. Vertices in order, each once; empty if there is no such loop.
+  std::vector<std::int32_t> loop(std::int32_t through, std::uint32_t separated, std::int32_t tip) const;
 
   // The vertices that can be reached from `start` without crossing the loop, with the loop itself: one entry
   // a vertex.

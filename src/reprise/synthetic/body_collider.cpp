@@ -81,8 +81,9 @@ Eigen::Array3i BodyCollider::cell_of(const Vector3d& point) const {
 void BodyCollider::prepare_search(const Vector3d& low, const Vector3d& high, double radius) {
   radius_ = radius;
   cells_per_metre_ = 1.0 / radius;
-  low_ = low.array() - radius;
-  cells_ = (((high - low).array() + 2.0 * radius) / radius).ceil().cast<int>().max(1).min(1000);
+  // Twice the radius, so that normals are whole wherever something can be found.
+  low_ = low.array() - 2.0 * radius;
+  cells_ = (((high - low).array() + 4.0 * radius) / radius).ceil().cast<int>().max(1).min(1000);
   balls_.resize(triangles_.size());
   normals_.setZero(points_.rows(), 3);
 

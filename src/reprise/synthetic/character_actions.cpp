@@ -129,7 +129,7 @@ ClipScore stagger_score() {
                        {1.04, flail},
                        {1.42, caught},
                        {1.78, rising},
-                       {2.12, stand}},
+                       {2.04, stand}},
                       0.04, 4);
 }
 

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -16,6 +17,8 @@ namespace reprise::dynamics {
 using Eigen::Vector3d;
 
 namespace {
+
+constexpr double fold_width = 0.13;  // metres: what a surface of 2,500 vertices can still show
 
 std::size_t at(int i) {
   return static_cast<std::size_t>(i);
@@ -67,22 +70,70 @@ std::vector<bool> diagonals(const std::vector<Edge>& edges, std::size_t triangle
   return result;
 }
 
-double cotangent(const Vector3d& a, const Vector3d& b) {
-  return a.dot(b) / std::max(a.cross(b).norm(), 1e-12);
+std::vector<Vector3d> normals_of(const std::vector<Vector3d>& x, const std::vector<Triangle>& triangles) {
+  std::vector<Vector3d> normals(x.size(), Vector3d::Zero());
+  for (const Triangle& t : triangles) {
+    const Vector3d normal = (x[at(t[1])] - x[at(t[0])]).cross(x[at(t[2])] - x[at(t[0])]);
+    for (const int i : t) normals[at(i)] += normal;
+  }
+  return normals;
 }
 
-Hinge make_hinge(const std::vector<Vector3d>& x, const Edge& edge, const ClothMaterial& material) {
-  const Vector3d p0 = x[at(edge.a)], p1 = x[at(edge.b)], p2 = x[at(edge.across[0])],
-                 p3 = x[at(edge.across[1])];
-  const Vector3d e0 = p1 - p0;
-  const double c01 = cotangent(e0, p2 - p0), c02 = cotangent(e0, p3 - p0);
-  const double c03 = cotangent(-e0, p2 - p1), c04 = cotangent(-e0, p3 - p1);
+// How long the cloth is cut between two particles: by its fullness longer than they lie apart, as far as the
+// way leads around the body.
+class Cut {
+ public:
+  Cut(const std::vector<Vector3d>& x, const std::vector<Triangle>& triangles,
+      const std::vector<double>& fullness)
+      : x_(x), fullness_(fullness) {
+    if (!fullness.empty()) normals_ = normals_of(x, triangles);
+  }
+  double length(int a, int b) const {
+    const Vector3d way = x_[at(b)] - x_[at(a)];
+    if (fullness_.empty()) return way.norm();
+    const Vector3d around = Vector3d::UnitY().cross(normals_[at(a)] + normals_[at(b)]);
+    const double size = around.norm();
+    if (!(size > 0.0)) return way.norm();
+    const double part = way.dot(around) / size;
+    const double full = 0.5 * (fullness_[at(a)] + fullness_[at(b)]);
+    return std::sqrt(way.squaredNorm() + (full * full - 1.0) * part * part);
+  }
+  // Twice the area of a triangle with these sides (Heron, in the stable order of Kahan).
+  static double twice_area(double a, double b, double c) {
+    if (a < b) std::swap(a, b);
+    if (b < c) std::swap(b, c);
+    if (a < b) std::swap(a, b);
+    return 0.5 * std::sqrt(std::max(0.0, (a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c))));
+  }
+  double twice_area(const Triangle& t) const {
+    return twice_area(length(t[0], t[1]), length(t[1], t[2]), length(t[2], t[0]));
+  }
+
+ private:
+  const std::vector<Vector3d>& x_;
+  const std::vector<double>& fullness_;
+  std::vector<Vector3d> normals_;
+};
+
+// Of the angle between sides `a` and `b`, opposite `c`.
+double cotangent(double a, double b, double c) {
+  return 0.5 * (a * a + b * b - c * c) / std::max(Cut::twice_area(a, b, c), 1e-9);
+}
+
+Hinge make_hinge(const std::vector<Vector3d>& x, const Cut& cut, const Edge& edge,
+                 const ClothMaterial& material) {
+  const std::array<int, 4> p = {edge.a, edge.b, edge.across[0], edge.across[1]};
+  const double e0 = cut.length(p[0], p[1]), e1 = cut.length(p[0], p[2]), e2 = cut.length(p[0], p[3]),
+               e3 = cut.length(p[1], p[2]), e4 = cut.length(p[1], p[3]);
+  const double c01 = cotangent(e0, e1, e3), c02 = cotangent(e0, e2, e4);
+  const double c03 = cotangent(e0, e3, e1), c04 = cotangent(e0, e4, e2);
   Hinge hinge;
-  hinge.particles = {edge.a, edge.b, edge.across[0], edge.across[1]};
+  hinge.particles = p;
   hinge.weights = {c03 + c04, c01 + c02, -c01 - c03, -c02 - c04};
-  hinge.size =
-      (hinge.weights[0] * p0 + hinge.weights[1] * p1 + hinge.weights[2] * p2 + hinge.weights[3] * p3).norm();
-  const double area = 0.5 * (e0.cross(p2 - p0).norm() + e0.cross(p3 - p0).norm());
+  Vector3d bend = Vector3d::Zero();
+  for (std::size_t k = 0; k < 4; ++k) bend += hinge.weights[k] * x[at(p[k])];
+  hinge.size = bend.norm();
+  const double area = 0.5 * (Cut::twice_area(e0, e1, e3) + Cut::twice_area(e0, e2, e4));
   hinge.compliance = area / (3.0 * material.bending);  // Bergou et al.: energy 3 / (2 area) * |bend|^2
   hinge.damping = material.damping;
   return hinge;
@@ -121,7 +172,8 @@ void sort_from_held(std::vector<Link>& links, const std::vector<double>& distanc
 }  // namespace
 
 ParticleSystem make_cloth(const Points& points, const std::vector<Triangle>& triangles,
-                          const std::vector<double>& given_freedom, const ClothMaterial& material) {
+                          const std::vector<double>& given_freedom, const ClothMaterial& material,
+                          const std::vector<double>& fullness) {
   const auto count = static_cast<std::size_t>(points.rows());
   ParticleSystem system;
   system.position.resize(count);
@@ -133,8 +185,9 @@ ParticleSystem make_cloth(const Points& points, const std::vector<Triangle>& tri
 
   std::vector<double> mass(count, 0.0);
   double area = 0.0;
+  const Cut cut(x, triangles, fullness);
   for (const Triangle& t : triangles) {
-    const double size = 0.5 * (x[at(t[1])] - x[at(t[0])]).cross(x[at(t[2])] - x[at(t[0])]).norm();
+    const double size = 0.5 * cut.twice_area(t);
     if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0] || !(size > 1e-12)) continue;
     system.sails.push_back(t);
     for (const int i : t) mass[at(i)] += material.density * size / 3.0;
@@ -163,16 +216,17 @@ ParticleSystem make_cloth(const Points& points, const std::vector<Triangle>& tri
   for (std::size_t e = 0; e < edges.size(); ++e) {
     const Edge& edge = edges[e];
     if (is_diagonal[e]) {
-      const double other = (x[at(edge.across[0])] - x[at(edge.across[1])]).norm();
-      system.links.push_back({edge.a, edge.b, edge.length, 1.0 / material.shear, material.damping});
+      const double other = cut.length(edge.across[0], edge.across[1]);
+      system.links.push_back(
+          {edge.a, edge.b, cut.length(edge.a, edge.b), 1.0 / material.shear, material.damping});
       if (edge.across[0] != edge.across[1])
         system.links.push_back(
             {edge.across[0], edge.across[1], other, 1.0 / material.shear, material.damping});
     } else {
-      system.links.push_back({edge.a, edge.b, edge.length, 1.0 / material.stretch, 0.0});
+      system.links.push_back({edge.a, edge.b, cut.length(edge.a, edge.b), 1.0 / material.stretch, 0.0});
     }
     if (edge.triangles[1] >= 0 && edge.across[0] != edge.across[1])
-      system.hinges.push_back(make_hinge(x, edge, material));
+      system.hinges.push_back(make_hinge(x, cut, edge, material));
   }
   // What joins two held particles has nothing to do.
   const auto idle = [&](int a, int b) {
@@ -189,6 +243,34 @@ ParticleSystem make_cloth(const Points& points, const std::vector<Triangle>& tri
       system.tethers.push_back({static_cast<int>(i), ways.source[i], 1.02 * ways.length[i]});
   }
   return system;
+}
+
+std::vector<double> fold_offsets(const Points& points, const std::vector<double>& fullness, double width) {
+  if (std::all_of(fullness.begin(), fullness.end(), [](double f) { return f <= 1.0; })) return {};
+  Eigen::RowVector3d axis = Eigen::RowVector3d::Zero();
+  double weight = 0.0, around = 0.0;
+  for (Eigen::Index i = 0; i < points.rows(); ++i) {
+    const double full = std::max(0.0, fullness[static_cast<std::size_t>(i)] - 1.0);
+    axis += full * points.row(i);
+    weight += full;
+  }
+  axis /= weight;
+  for (Eigen::Index i = 0; i < points.rows(); ++i) {
+    if (fullness[static_cast<std::size_t>(i)] > 1.0)
+      around = std::max(
+          around, 2.0 * std::numbers::pi * std::hypot(points(i, 0) - axis.x(), points(i, 2) - axis.z()));
+  }
+  const double folds = std::max(3.0, std::round(around / width));
+  std::vector<double> offsets(fullness.size());
+  for (std::size_t i = 0; i < fullness.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    const double x = points(row, 0) - axis.x(), z = points(row, 2) - axis.z();
+    // A sine of amplitude a and wave length w is longer than straight by about (pi a / w)^2.
+    const double wave = 2.0 * std::numbers::pi * std::hypot(x, z) / folds;
+    const double amplitude = wave / std::numbers::pi * std::sqrt(std::max(0.0, fullness[i] - 1.0));
+    offsets[i] = amplitude * (1.0 - std::cos(folds * std::atan2(x, z)));
+  }
+  return offsets;
 }
 
 Strain strain(const ParticleSystem& particles) {
@@ -209,11 +291,12 @@ Strain strain(const ParticleSystem& particles) {
 ClothLayer::ClothLayer(const BodyLayer& layer, const ClothMaterial& material,
                        std::vector<Triangle> body_triangles, const Points& body_at_rest)
     : particle_of_(merge_coincident(layer.points)), player_(std::move(body_triangles), body_at_rest.rows()) {
-  std::vector<double> freedom;
+  std::vector<double> freedom, fullness;
   for (std::size_t v = 0; v < particle_of_.size(); ++v) {
     if (at(particle_of_[v]) == vertex_of_.size()) {
       vertex_of_.push_back(static_cast<int>(v));
       freedom.push_back(layer.freedom[v]);
+      if (!layer.fullness.empty()) fullness.push_back(layer.fullness[v]);
     } else {
       freedom[at(particle_of_[v])] = std::min(freedom[at(particle_of_[v])], layer.freedom[v]);
     }
@@ -221,7 +304,9 @@ ClothLayer::ClothLayer(const BodyLayer& layer, const ClothMaterial& material,
   std::vector<Triangle> triangles = layer.triangles;
   for (Triangle& triangle : triangles)
     for (std::int32_t& corner : triangle) corner = particle_of_[at(corner)];
-  particles_ = make_cloth(gather(layer.points), triangles, freedom, material);
+  const Points rest = gather(layer.points);
+  particles_ = make_cloth(rest, triangles, freedom, material, fullness);
+  folds_ = fold_offsets(rest, fullness, fold_width);
   player_.collider().move(body_at_rest);
   set_thickness(particles_, player_.collider(), material.thickness, 0.001);
 }
@@ -235,6 +320,11 @@ Points ClothLayer::gather(const Points& vertices) const {
 
 void ClothLayer::start(const Points& skinned, const Points& body) {
   player_.start(particles_, gather(skinned), body);
+  if (folds_.empty()) return;
+  const std::vector<Vector3d> normals = normals_of(particles_.position, particles_.sails);
+  for (std::size_t i = 0; i < particles_.size(); ++i) {
+    if (particles_.inverse_mass[i] > 0.0) particles_.position[i] += folds_[i] * normals[i].stableNormalized();
+  }
 }
 
 void ClothLayer::advance(const Points& skinned_after, const Points& body_after,

@@ -23,10 +23,17 @@ struct ClothMaterial {
   double thickness = 0.004;  // metres kept from the body
 };
 
-// Particles of a surface, linked along its edges and across its quads, and bent at its edges. `freedom`: one
-// a particle. Triangles without area are left out; a piece that nothing holds is held loosely all over.
+// Particles of a surface, linked along its edges and across its quads, and bent at its edges. `freedom` and
+// `fullness` (empty: 1): one a particle, see `BodyLayer`. Triangles without area are left out; a piece that
+// nothing holds is held loosely all over.
 ParticleSystem make_cloth(const Points& points, const std::vector<Triangle>& triangles,
-                          const std::vector<double>& freedom, const ClothMaterial& material);
+                          const std::vector<double>& freedom, const ClothMaterial& material,
+                          const std::vector<double>& fullness = {});
+
+// Metres along the normal by which particles of a full cloth begin outside of the place where they lie at
+// rest: folds about `width` wide that run down. Left to itself, cloth that is wider than its place crumples
+// into the smallest folds its triangles can make. Empty if nothing is full.
+std::vector<double> fold_offsets(const Points& points, const std::vector<double>& fullness, double width);
 
 // Greatest and mean of |length / rest length - 1| over the rigid links: along threads.
 struct Strain {
@@ -50,6 +57,7 @@ class ClothLayer : public SoftLayer {
 
   std::vector<int> particle_of_;  // of every vertex
   std::vector<int> vertex_of_;    // the first one of every particle
+  std::vector<double> folds_;     // offset of every particle at the start, empty: none
   ParticleSystem particles_;
   FramePlayer player_;
 };

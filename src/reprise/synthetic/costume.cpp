@@ -149,20 +149,21 @@ CostumeFreedom read_freedom(const Field& field) {
 
 CostumeGarment read_garment(const Field& field) {
   CostumeGarment garment;
-  field.members(
-      {"proxy", "pieces", "color", "pattern", "contrast", "freedom", "waist", "hem", "flare", "edge_length"},
-      [&](const std::string& name, const Field& member) {
-        if (name == "proxy") garment.proxy = member.text();
-        if (name == "pieces") garment.pieces = read_pieces(member);
-        if (name == "color") garment.color = member.color();
-        if (name == "contrast") garment.contrast = member.number(0.0, 2.0);
-        if (name == "pattern") garment.pattern = read_pattern(member);
-        if (name == "freedom") garment.freedom = read_freedom(member);
-        if (name == "waist") garment.waist = member.number(0.0, tallest);
-        if (name == "hem") garment.hem = member.number(0.02, tallest);
-        if (name == "flare") garment.flare = member.number(0.5, 5.0);
-        if (name == "edge_length") garment.edge_length = member.number(0.005, 1.0);
-      });
+  field.members({"proxy", "pieces", "color", "pattern", "contrast", "freedom", "waist", "hem", "flare",
+                 "fullness", "edge_length"},
+                [&](const std::string& name, const Field& member) {
+                  if (name == "proxy") garment.proxy = member.text();
+                  if (name == "pieces") garment.pieces = read_pieces(member);
+                  if (name == "color") garment.color = member.color();
+                  if (name == "contrast") garment.contrast = member.number(0.0, 2.0);
+                  if (name == "pattern") garment.pattern = read_pattern(member);
+                  if (name == "freedom") garment.freedom = read_freedom(member);
+                  if (name == "waist") garment.waist = member.number(0.0, tallest);
+                  if (name == "hem") garment.hem = member.number(0.02, tallest);
+                  if (name == "flare") garment.flare = member.number(0.5, 5.0);
+                  if (name == "fullness") garment.fullness = member.number(1.0, 5.0);
+                  if (name == "edge_length") garment.edge_length = member.number(0.005, 1.0);
+                });
   if (garment.proxy.empty()) field.fail("a garment with a \"proxy\"");
   if (garment.hem.has_value() != garment.waist.has_value() ||
       (garment.hem.has_value() && *garment.hem >= *garment.waist)) {
@@ -201,11 +202,13 @@ void read_costume(const Field& field, Costume& costume) {
     if (name == "eyelashes") costume.eyelashes = member.text();
     if (name == "hair") {
       costume.hair = {};
-      member.members({"proxy", "color", "freedom"}, [&](const std::string& part, const Field& value) {
-        if (part == "proxy") costume.hair.proxy = value.text();
-        if (part == "color") costume.hair.color = value.color();
-        if (part == "freedom") costume.hair.freedom = read_freedom(value);
-      });
+      member.members({"proxy", "color", "contrast", "freedom"},
+                     [&](const std::string& part, const Field& value) {
+                       if (part == "proxy") costume.hair.proxy = value.text();
+                       if (part == "color") costume.hair.color = value.color();
+                       if (part == "contrast") costume.hair.contrast = value.number(0.0, 2.0);
+                       if (part == "freedom") costume.hair.freedom = read_freedom(value);
+                     });
       if (costume.hair.proxy.empty()) member.fail("hair with a \"proxy\"");
     }
     if (name == "garments") {

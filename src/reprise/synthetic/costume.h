@@ -48,6 +48,9 @@ struct CostumeGarment {
   // there. None: as it is.
   std::optional<double> waist, hem;
   double flare = 1.0;
+  // Cut wider around the body by this factor at the hem than it lies at rest: folds when it hangs, width when
+  // it swings.
+  double fullness = 1.0;
   // Largest edge length in metres where the cloth is free; longer ones are split. 0: as it is.
   double edge_length = 0.0;
 
@@ -57,6 +60,7 @@ struct CostumeGarment {
 struct CostumeHair {
   std::string proxy;
   std::optional<Color> color;
+  double contrast = 0.5;  // as of garments
   CostumeFreedom freedom;
 };
 

@@ -75,7 +75,7 @@ struct DressedBody::Impl {
     if (costume.shoes.color) body::tint(fitted.back().layer, *costume.shoes.color);
     for (const CostumeGarment& garment : costume.garments) add_garment(garment);
     add_proxy("hair", BodyLayer::Kind::hair, data.proxy(MakehumanKind::hair, costume.hair.proxy));
-    if (costume.hair.color) body::tint(fitted.back().layer, *costume.hair.color);
+    if (costume.hair.color) body::tint(fitted.back().layer, *costume.hair.color, costume.hair.contrast);
     fitted.back().layer.freedom = body::freedom_by_height(fitted.back().layer.points, costume.hair.freedom);
     hide();
     finish();
@@ -160,12 +160,17 @@ struct DressedBody::Impl {
     }
     FittedLayer& layer = fitted.back();
     body::keep_pieces(layer, garment.pieces);
+    // Two pieces of one suit are two layers.
+    if (garment.pieces == CostumePieces::upper) layer.layer.name += "_upper";
+    if (garment.pieces == CostumePieces::lower) layer.layer.name += "_lower";
     if (garment.hem) {
       body::reshape_skirt(layer, *garment.waist, *garment.hem, garment.flare,
                           rig->skeleton().joints.front().rest_position);
     }
     layer.layer.freedom = body::freedom_by_height(layer.layer.points, garment.freedom);
     if (garment.edge_length > 0.0) body::refine(layer, garment.edge_length);
+    layer.layer.fullness =
+        body::fullness_by_height(layer.layer.points, garment.freedom.from, garment.fullness);
     // Room for what is under it; it is worn over all that came before.
     constexpr double over_skin = 0.004, over_cloth = 0.005;
     for (std::size_t i = 0; i + 1 < fitted.size(); ++i) {
@@ -227,7 +232,7 @@ struct DressedBody::Impl {
   std::vector<BoneWeights> skin_weights;
   std::vector<bool> covered;        // vertices of the body under clothes
   std::vector<FittedLayer> fitted;  // until all is finished
-  MakehumanTexture shading;  // of the proxy added last
+  MakehumanTexture shading;         // of the proxy added last
   std::vector<BodyLayer> layers;
   std::vector<std::vector<BoneWeights>> weights;
   std::vector<std::vector<int>> dominant_joints;

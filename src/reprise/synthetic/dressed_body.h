@@ -39,6 +39,9 @@ struct BodyLayer {
   // 0 where the layer is fixed to the skinned body (waistband, shoulder seam, hair root), 1 where it moves
   // freely as cloth or hair; between, it is drawn to the skinned place. Empty: everything is skinned.
   std::vector<double> freedom;
+  // Of cloth: how much wider around the body it is cut than it lies at rest, so that it hangs in folds and
+  // swings out: 1 at the waist, more towards the hem. Empty: 1 everywhere.
+  std::vector<double> fullness;
   // Triangles that lie under another layer and are never seen (body under clothes). Empty: none.
   std::vector<bool> hidden;
 };

@@ -157,7 +157,9 @@ TEST(DressedBody, AnArmMovesAlone) {
     const std::string& joint =
         skeleton.joints[static_cast<std::size_t>(body.dominant_joints(0)[static_cast<std::size_t>(v)])].name;
     const double moved = (skinned.row(v) - rest.row(v)).norm();
-    if (!joint.starts_with("left_")) ASSERT_LT(moved, 1e-4) << joint;
+    if (!joint.starts_with("left_")) {
+      ASSERT_LT(moved, 1e-4) << joint;
+    }
     // Beyond the wrist the hand is stiff.
     if (joint == "left_hand" && rest(v, 0) > skeleton.joints[hand].rest_position.x() + 0.05) {
       ++hand_count;
@@ -215,6 +217,11 @@ TEST(DressedBody, SkirtsHangFromTheWaistAndHairFromTheHead) {
       layer.points.col(1).minCoeff(&bottom);
       EXPECT_EQ(layer.freedom[static_cast<std::size_t>(top)], 0.0);
       EXPECT_EQ(layer.freedom[static_cast<std::size_t>(bottom)], 1.0);
+      if (layer.kind == BodyLayer::Kind::garment) {
+        ASSERT_EQ(layer.fullness.size(), layer.freedom.size());
+        EXPECT_EQ(layer.fullness[static_cast<std::size_t>(top)], 1.0);
+        EXPECT_GT(layer.fullness[static_cast<std::size_t>(bottom)], 1.3);
+      }
     }
   }
 }

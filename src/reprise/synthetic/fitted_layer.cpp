@@ -274,6 +274,17 @@ std::vector<double> freedom_by_height(const Points& points, const CostumeFreedom
   return values;
 }
 
+std::vector<double> fullness_by_height(const Points& points, double waist, double at_hem) {
+  const double lowest = points.col(1).minCoeff();
+  if (at_hem == 1.0 || lowest >= waist) return {};
+  std::vector<double> values(static_cast<std::size_t>(points.rows()));
+  for (std::size_t v = 0; v < values.size(); ++v) {
+    const double below = (waist - points(static_cast<Eigen::Index>(v), 1)) / (waist - lowest);
+    values[v] = 1.0 + (at_hem - 1.0) * std::max(0.0, below);
+  }
+  return values;
+}
+
 Points vertex_normals(const Points& points, const std::vector<Triangle>& triangles) {
   Points normals = Points::Zero(points.rows(), 3);
   for (const Triangle& t : triangles) {

@@ -39,6 +39,9 @@ void refine(FittedLayer& fitted, double edge_length);
 // Freedom by height: 0 above `from`, `most` below `to`, smooth between. Empty if `most` is 0.
 std::vector<double> freedom_by_height(const Points& points, const CostumeFreedom& freedom);
 
+// Fullness by height: 1 above `waist`, `at_hem` at the lowest point. Empty if `at_hem` is 1.
+std::vector<double> fullness_by_height(const Points& points, double waist, double at_hem);
+
 // Unit normals at the vertices, weighted by area.
 Points vertex_normals(const Points& points, const std::vector<Triangle>& triangles);
 

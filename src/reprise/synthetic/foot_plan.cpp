@@ -128,11 +128,12 @@ FootState FootPlan::at(double time) const {
     return quintic<Value>(p0, v0, w0, q0, v1, w1, u);
   };
   FootState state;
+  state.swing = smooth_step(u / 0.15) * smooth_step((1.0 - u) / 0.07);
   state.ankle = across([](const FootState& s) -> Vector3d { return s.ankle; });
   state.yaw = across([](const FootState& s) { return s.yaw; });
   state.pitch = across([](const FootState& s) { return s.pitch; });
   // A swinging foot is at its fastest late: the knee unfolds like a whip.
-  state.ankle -= 0.085 * bump(std::pow(u, 1.6)) * (b0.ankle - a0.ankle);
+  state.ankle -= 0.09 * bump(std::pow(u, 2.6)) * (b0.ankle - a0.ankle);
   // The lift leans towards the begin: a foot is pulled up and then lowered with care.
   const double early = bump(std::pow(u, 0.8));
   state.ankle.y() += to.clearance * early;

@@ -57,6 +57,7 @@ struct FootState {
   double yaw = 0.0;        // radians
   double pitch = 0.0;      // radians
   double toe_pitch = 0.0;  // of the toes in the world
+  double swing = 0.0;      // 0 standing, 1 in the middle of a swing
   bool heel_down = false;
   bool ball_down = false;
 

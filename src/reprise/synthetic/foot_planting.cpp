@@ -436,6 +436,7 @@ std::vector<double> smooth_above(const std::vector<double>& values, int window) 
 
 void plant_feet(SkeletalMotion& motion, std::vector<FootContacts>& contacts) {
   constexpr double greatest_share = 0.995;   // of a leg's length that it reaches with: a straight knee pops
+  constexpr double greatest_reach = 0.998;   // beyond, legs stretch ever less
   constexpr double greatest_sinking = 0.16;  // metres
   constexpr double half_window = 0.12;       // seconds
   const Skeleton& skeleton = motion.skeleton;
@@ -469,7 +470,7 @@ void plant_feet(SkeletalMotion& motion, std::vector<FootContacts>& contacts) {
       // The knee keeps to the plane in which the transferred thigh bends it, so that it never flips.
       const Vector3d hinge = pose.rotation[leg.thigh] * Vector3d::UnitX();
       const Vector3d pole = (foot.ankle - hip).cross(hinge);
-      const motion::Limb::Rotations turned = leg.limb.reaching(hip, foot.ankle, pole);
+      const motion::Limb::Rotations turned = leg.limb.reaching(hip, foot.ankle, pole, greatest_reach);
       rotations[leg.thigh] = turned.upper;
       rotations[leg.shin] = turned.lower;
       rotations[feet[side].ankle_joint()] = foot.foot;

@@ -34,8 +34,8 @@ constexpr double band_voxels = 4.0;
 // safety.
 constexpr double sheet_voxels = 0.6;
 constexpr double hair_thickness = 0.003;
-// Gaps narrower than twice this within the hair, and between hair and body, are filled.
-constexpr double hair_closing = 0.012;
+// Gaps narrower than twice this are filled: within the hair, and between hair and body.
+constexpr double hair_closing = 0.012, skin_closing = 0.006;
 constexpr double min_hair_alpha = 0.25;
 constexpr int smoothing_steps = 3;
 
@@ -144,6 +144,19 @@ std::vector<double> distance_transform(const Lattice& shape, const std::vector<b
   return field;
 }
 
+// Negative inside of what is farther than `radius` from all places that are farther than it from the shapes:
+// the shapes and the gaps they leave that are narrower than twice the radius. Only near hair.
+void add_closing(const Lattice& to_hair, const std::vector<float>& to_shapes, double step, double radius,
+                 std::vector<float>& closing) {
+  std::vector<bool> far(to_shapes.size());
+  for (std::size_t i = 0; i < far.size(); ++i) far[i] = to_shapes[i] > radius;
+  const std::vector<double> to_far = distance_transform(to_hair, far);
+  for (std::size_t i = 0; i < far.size(); ++i) {
+    if (to_hair.values[i] < 1.5 * radius)
+      closing[i] = std::min(closing[i], static_cast<float>(radius - step * to_far[i]));
+  }
+}
+
 // Lowers `field` to hair as a volume: cards with a thickness, and what lies in narrow gaps between them or
 // between them and the body.
 void add_hair(const Soup& hair, const Soup& rest, double voxel_size, Lattice& field) {
@@ -156,17 +169,12 @@ void add_hair(const Soup& hair, const Soup& rest, double voxel_size, Lattice& fi
       ((box.max().array() + margin) / coarse).ceil().cast<int>().matrix() - low + Vector3i::Ones();
   const double band = 2.0 * hair_closing;
   const Lattice to_hair = distance_to(hair, coarse, band, low, size);
-  const Lattice to_rest = distance_to(rest, coarse, band, low, size);
-  std::vector<bool> far(to_hair.count());
-  for (std::size_t i = 0; i < far.size(); ++i)
-    far[i] = std::min(to_hair.values[i], to_rest.values[i]) > hair_closing;
-  const std::vector<double> to_far = distance_transform(to_hair, far);
-  std::vector<float> closing(far.size());
-  for (std::size_t i = 0; i < far.size(); ++i) {
-    const bool near_hair = to_hair.values[i] < 1.5 * hair_closing;
-    closing[i] =
-        near_hair ? static_cast<float>(hair_closing - coarse * to_far[i]) : static_cast<float>(hair_closing);
-  }
+  Lattice to_both = distance_to(rest, coarse, band, low, size);
+  for (std::size_t i = 0; i < to_both.values.size(); ++i)
+    to_both.values[i] = std::min(to_both.values[i], to_hair.values[i]);
+  std::vector<float> closing(to_hair.count(), static_cast<float>(hair_closing));
+  add_closing(to_hair, to_hair.values, coarse, hair_closing, closing);
+  add_closing(to_hair, to_both.values, coarse, skin_closing, closing);
   const Vector3i fine_low = (2 * low).cwiseMax(field.low);
   const Vector3i fine_size = (2 * (low + size)).cwiseMin(field.low + field.size) - fine_low;
   const Lattice cards = distance_to(hair, voxel_size, band_voxels * voxel_size, fine_low, fine_size);

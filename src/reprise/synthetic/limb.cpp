@@ -41,11 +41,10 @@ Limb::Rotations Limb::posed(const Vector3d& upper_direction, const Vector3d& hin
           .lower = Quaterniond(frame(lower_direction, M.col(0)) * lower_frame_.transpose()).normalized()};
 }
 
-Limb::Rotations Limb::reaching(const Vector3d& root, const Vector3d& end, const Vector3d& pole) const {
-  // From `soft` on, the limb stretches ever less: a knee that snaps straight pops.
-  constexpr double soft = 0.9976, hard = 0.9993;
+Limb::Rotations Limb::reaching(const Vector3d& root, const Vector3d& end, const Vector3d& pole,
+                               double soft) const {
   double share = (end - root).norm() / reach();
-  if (share > soft) share = soft + (hard - soft) * std::tanh((share - soft) / (hard - soft));
+  if (share > soft) share = soft + (longest - soft) * std::tanh((share - soft) / (longest - soft));
   const double distance = std::max(share * reach(), std::abs(upper_ - lower_) + 1e-3 * reach());
   const Vector3d toward = (end - root).normalized();
   const double cosine = std::clamp(

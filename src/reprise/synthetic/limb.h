@@ -29,10 +29,11 @@ class Limb {
   };
   // From the direction of the upper bone, the hinge and the flexion.
   Rotations posed(const Eigen::Vector3d& upper_direction, const Eigen::Vector3d& hinge, double flexion) const;
-  // With root and end given, the middle bends towards `pole`. An end beyond reach is approached as far as the
-  // limb goes, smoothly.
-  Rotations reaching(const Eigen::Vector3d& root, const Eigen::Vector3d& end,
-                     const Eigen::Vector3d& pole) const;
+  // With root and end given, the middle bends towards `pole`. From the share `soft` of its length on, the
+  // limb stretches ever less, up to `longest`: a knee that snaps straight pops.
+  static constexpr double longest = 0.9992;
+  Rotations reaching(const Eigen::Vector3d& root, const Eigen::Vector3d& end, const Eigen::Vector3d& pole,
+                     double soft) const;
 
  private:
   double upper_, lower_;

@@ -18,6 +18,9 @@ using Eigen::Vector3d;
 constexpr double degree = std::numbers::pi / 180.0;
 constexpr double gravity = 9.81;
 
+// Of a leg's length: how far a standing leg may stretch; beyond, a swinging leg holds back.
+constexpr double standing_reach = 0.9945;
+
 enum TrunkJoint { pelvis, spine, chest, neck, head };
 enum SideJoint { collar, upper_arm, forearm, hand, thigh, shin, foot, toe };
 
@@ -170,7 +173,6 @@ void Performance::raise_hips(const std::vector<Controls>& controls) {
   const std::size_t count = x_.size();
   std::vector<double> height(count), limit(count);
   std::vector<bool> known(count, false);
-  constexpr double longest = 0.9974;  // of the leg's length
   for (std::size_t k = 0; k < count; ++k) {
     const double time = first_time_ + static_cast<double>(k) / SampledCurve::rate;
     const Quaterniond rotation = trunk(controls[k]).pelvis;
@@ -186,7 +188,9 @@ void Performance::raise_hips(const std::vector<Controls>& controls) {
       const auto height_at = [&](double length) {
         return state.ankle.y() + std::sqrt(std::max(length * length - level, 0.01)) - hip.y();
       };
-      if (state.contact()) limit[k] = std::min(limit[k], height_at(longest * legs_[s].reach()));
+      // A foot about to land must be within reach as well, or the knee snaps on landing.
+      const double share = lerp(standing_reach, 1.05, state.swing);
+      limit[k] = std::min(limit[k], height_at(share * legs_[s].reach()));
       const double load = load_[s][k];
       if (load <= 0.0) continue;
       sum += load * height_at(legs_[s].distance(controls[k][sided(knee, side)] * degree));
@@ -289,7 +293,7 @@ void Performance::pose_arm(SkeletonPose& pose, int side, const Controls& control
                                                                        control(pin_forward)));
     const double back = control(pin_elbow_back) * degree;
     const Vector3d pole = chest_rotation * Vector3d(s * std::cos(back), 0.0, -std::sin(back));
-    const Limb::Rotations held = limb.reaching(shoulder, place, pole);
+    const Limb::Rotations held = limb.reaching(shoulder, place, pole, 0.97);
     const double share = std::clamp(control(pin), 0.0, 1.0);
     rotations.upper = rotations.upper.slerp(share, held.upper);
     rotations.lower = rotations.lower.slerp(share, held.lower);
@@ -315,7 +319,8 @@ void Performance::pose_leg(SkeletonPose& pose, int side, const Controls& control
   const double yaw =
       lerp(hips_yaw, state.yaw, 0.65) + side_sign(side) * controls[sided(knee_out, side)] * degree;
   const Vector3d pole(std::sin(yaw), 0.0, std::cos(yaw));
-  const Limb::Rotations rotations = legs_[static_cast<std::size_t>(side)].reaching(hip, state.ankle, pole);
+  const Limb::Rotations rotations =
+      legs_[static_cast<std::size_t>(side)].reaching(hip, state.ankle, pole, standing_reach);
   attach(pose, idx[thigh], rotations.upper);
   attach(pose, idx[shin], rotations.lower);
   attach(pose, idx[foot], state.foot_rotation());

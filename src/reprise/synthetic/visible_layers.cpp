@@ -18,6 +18,10 @@ using Kind = BodyLayer::Kind;
 constexpr double together = 0.0015;
 // A cap counts only where it spans more than a gap between cloth and skin.
 constexpr double cap_lead = 0.012;
+// Texels to either side that hair is averaged over, and between which means it fades in: cards often have
+// stray lines along their edges.
+constexpr int density_radius = 4;
+constexpr double least_density = 0.25, full_density = 0.5;
 // Cards seen nearly edge-on would show as lines.
 constexpr double min_card_cosine = 0.15;
 // How far outside of and below the surface a camera's ray looks for layers: surfaces of few vertices cut
@@ -74,6 +78,29 @@ int outwardness(Kind kind) {
       return 4;
   }
   return 0;
+}
+
+// Mean over a square about every texel.
+std::vector<float> box_mean(const std::vector<std::uint8_t>& alpha, int width, int height, int radius) {
+  std::vector<float> rows(alpha.size()), result(alpha.size());
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      int sum = 0;
+      for (int d = -radius; d <= radius; ++d)
+        sum += alpha[static_cast<std::size_t>(y) * width + std::clamp(x + d, 0, width - 1)];
+      rows[static_cast<std::size_t>(y) * width + x] = static_cast<float>(sum);
+    }
+  }
+  const float scale = 1.0F / (255.0F * static_cast<float>((2 * radius + 1) * (2 * radius + 1)));
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      float sum = 0.0F;
+      for (int d = -radius; d <= radius; ++d)
+        sum += rows[static_cast<std::size_t>(std::clamp(y + d, 0, height - 1)) * width + x];
+      result[static_cast<std::size_t>(y) * width + x] = scale * sum;
+    }
+  }
+  return result;
 }
 
 }  // namespace
@@ -138,6 +165,10 @@ VisibleLayers::VisibleLayers(const std::vector<BodyLayer>& layers) : layers_(lay
     caps.points.insert(caps.points.end(), cap.points.begin(), cap.points.end());
     for (const Triangle& c : cap.triangles)
       caps.triangles.push_back({first_cap + c[0], first_cap + c[1], first_cap + c[2]});
+    const bool strands = layer.kind == Kind::hair && !layer.alpha.empty();
+    density_.push_back(strands
+                           ? box_mean(layer.alpha, layer.texture.width, layer.texture.height, density_radius)
+                           : std::vector<float>());
     if (!has_shape(layer)) continue;
     trees_.emplace_back(std::move(points), std::move(triangles));
     layer_of_tree_.push_back(static_cast<int>(l));
@@ -211,6 +242,23 @@ Eigen::Vector4d VisibleLayers::sample(int l, std::int32_t triangle, const Vector
   return result;
 }
 
+double VisibleLayers::alpha_at(const Source& source, const Vector3d& weights, double sampled) const {
+  const BodyLayer& layer = layers_[source.layer];
+  if (layer.kind == Kind::skin) return 1.0;
+  if (density_[source.layer].empty()) return sampled;
+  Eigen::Vector2d uv = Eigen::Vector2d::Zero();
+  for (int k = 0; k < 3; ++k) {
+    const auto& corner = layer.uvs[layer.triangle_uvs[source.triangle][k]];
+    uv += weights[k] * Eigen::Vector2d(corner[0], corner[1]);
+  }
+  const int width = layer.texture.width, height = layer.texture.height;
+  const int x = std::clamp(static_cast<int>(uv.x() * width), 0, width - 1);
+  const int y = std::clamp(static_cast<int>((1.0 - uv.y()) * height), 0, height - 1);
+  const double density =
+      density_[source.layer][static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x)];
+  return sampled * std::clamp((density - least_density) / (full_density - least_density), 0.0, 1.0);
+}
+
 std::optional<Vector3d> VisibleLayers::color_seen(const Vector3d& point, const Vector3d& normal) const {
   thread_local std::vector<RayHit> hits;
   all_->hits(point + look_out_hair * normal, -normal, look_out_hair + look_in, hits);
@@ -232,7 +280,7 @@ std::optional<Vector3d> VisibleLayers::color_seen(const Vector3d& point, const V
     if (card && std::abs(all_->normal(hits[i].triangle).dot(normal)) < min_card_cosine) continue;
     if (!card && hits[i].t < look_out_hair - look_out) continue;
     const Eigen::Vector4d seen = sample(source.layer, source.triangle, hits[i].weights);
-    const double alpha = layer.kind == Kind::skin ? 1.0 : seen[3];
+    const double alpha = alpha_at(source, hits[i].weights, seen[3]);
     color += (1.0 - covered) * alpha * seen.head<3>();
     covered += (1.0 - covered) * alpha;
   }

@@ -61,7 +61,10 @@ class VisibleLayers {
     std::int32_t triangle = -1;
   };
 
+  double alpha_at(const Source& source, const Eigen::Vector3d& weights, double sampled) const;
+
   const std::vector<BodyLayer>& layers_;
+  std::vector<std::vector<float>> density_;         // of each layer's texture, its alpha averaged; hair only
   std::vector<ClosestPointTree> trees_;             // one a layer with a shape, and the caps
   std::vector<int> layer_of_tree_;                  // -1: the caps
   std::vector<std::vector<std::int32_t>> sources_;  // triangles of the layer, one list a tree

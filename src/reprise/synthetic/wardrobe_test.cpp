@@ -168,8 +168,12 @@ TEST(LayerOrder, OuterLayersAreKeptOutsideAndHideWhatTheyCover) {
     // The sheet is open along a seam at the back, where it does not hide.
     const std::int32_t corner = body.layer.triangles[t][0];
     const bool at_seam = corner % 49 < 4 || corner % 49 > 44;
-    if (height < 0.29 || height > 0.71) EXPECT_FALSE(hidden[t]) << height;
-    if (height > 0.40 && height < 0.60 && !at_seam) EXPECT_TRUE(hidden[t]) << height;
+    if (height < 0.29 || height > 0.71) {
+      EXPECT_FALSE(hidden[t]) << height;
+    }
+    if (height > 0.40 && height < 0.60 && !at_seam) {
+      EXPECT_TRUE(hidden[t]) << height;
+    }
   }
   // What may swing away hides nothing.
   cloth.layer.freedom.assign(static_cast<std::size_t>(cloth.layer.points.rows()), 1.0);
