@@ -27,6 +27,10 @@ Action add_markup(CLI::App& command) {
   file->excludes(landmarks);
   command.add_option("--frame", options.frame,
                      "frame that is marked up, CLIP:FRAME, instead of the one the file names");
+  command.add_flag(
+      "--keep-joints", options.keep_joints,
+      "leave the proposed joints where the landmarks put them, instead of moving them to where the "
+      "bones agree best through all clips");
   command.add_option("-o,--output", arguments->output, "database to write, with the markup");
   command.add_option("--write-json", options.write_json,
                      "write the markup as FILE.json; alone: the one the database has");

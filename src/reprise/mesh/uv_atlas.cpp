@@ -61,7 +61,7 @@ class Atlas {
       while (end < all.size() && group(all[end]) == group(all[begin])) ++end;
       cover(
           {all.begin() + static_cast<std::ptrdiff_t>(begin), all.begin() + static_cast<std::ptrdiff_t>(end)},
-          std::cos(options_.max_angle_degrees * std::numbers::pi / 180.0));
+          std::cos(options_.max_angle_degrees * std::numbers::pi / 180.0), all.size());
       begin = end;
     }
     merge_small();

@@ -13,6 +13,7 @@
 #include "reprise/io/markup_file.h"
 #include "reprise/pipeline/outputs.h"
 #include "reprise/skeleton/markup_proposal.h"
+#include "reprise/skeleton/skeleton_extraction.h"
 
 namespace reprise {
 namespace {
@@ -28,7 +29,9 @@ Markup propose(const PerformanceDatabase& database, const MarkupOptions& options
   }
   const FrameId id = database.parse_frame(frame);
   try {
-    return propose_markup(database.clip(id.clip_idx).mesh(id.frame_idx), read.landmarks);
+    Markup markup = propose_markup(database.clip(id.clip_idx).mesh(id.frame_idx), read.landmarks);
+    if (!options.keep_joints) markup.skeleton = refine_joints(database.clips(), markup);
+    return markup;
   } catch (const InvalidArgument& error) {
     throw FileError(options.landmarks, error.what());
   }

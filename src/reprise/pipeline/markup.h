@@ -16,9 +16,13 @@ struct MarkupOptions {
   std::filesystem::path landmarks;   // JSON of named vertices, from which a markup is proposed
   std::filesystem::path file;        // or JSON of a whole markup
   std::string frame;                 // "CLIP:FRAME" to mark up; empty: the one the file names
+  bool keep_joints = false;          // leave proposed joints where the landmarks put them
   std::filesystem::path write_json;  // where to write the markup as JSON; empty: nowhere
 };
 
+// Proposed joints are then moved to where the bones on both sides of them agree best through all clips
+// (`refine_joints`).
+//
 // Reads a database, gives it a markup and writes it to `output` with everything else it holds (the truth of
 // its clips only if the skeleton stays). Without landmarks and file the markup it has is written as JSON, and
 // `output` must be empty. Returns the markup. Throws `InvalidArgument`, `FileError`.

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "reprise/core/error.h"
+#include "reprise/skeleton/skeleton_extraction.h"
 #include "reprise/skeleton/surface_loop.h"
 #include "reprise/synthetic/figure.h"
 #include "support/shapes.h"
@@ -117,6 +118,32 @@ TEST(MarkupProposal, FindsTheBonesOfTheFigure) {
   EXPECT_GT(counted, 500U);
   EXPECT_GT(static_cast<double>(agreed), 0.9 * static_cast<double>(counted));
   EXPECT_EQ(proposed.parts.size(), 6U);
+}
+
+// Motion shows where joints are better than the surface does.
+TEST(MarkupProposal, JointsComeNearerToTheTruthWhenTheClipsAreLookedAt) {
+  const PerformanceDatabase database = make_figure({.voxel_size = 0.025});
+  Markup proposed = propose_markup(figure().mesh, figure().landmarks);
+  const Skeleton before = proposed.skeleton;
+  const Skeleton after = refine_joints(database.clips(), proposed);
+  const Skeleton& truth = figure().truth.skeleton;
+  for (const std::string s : {"left_", "right_"}) {
+    for (const char* name : {"forearm", "thigh", "shin", "foot"}) {
+      const auto error = [&](const Skeleton& skeleton) {
+        return (skeleton.joints[static_cast<std::size_t>(skeleton.joint_idx(s + name))].rest_position -
+                truth.joints[static_cast<std::size_t>(truth.joint_idx(s + name))].rest_position)
+            .norm();
+      };
+      EXPECT_LT(error(after), error(before) + 0.002) << s << name;
+      EXPECT_LT(error(after), 0.03) << s << name;
+    }
+  }
+  // The truth itself stays where it is.
+  const Skeleton same = refine_joints(database.clips(), figure().truth);
+  for (std::size_t j = 0; j < truth.joints.size(); ++j) {
+    EXPECT_LT((same.joints[j].rest_position - truth.joints[j].rest_position).norm(), 0.005)
+        << truth.joints[j].name;
+  }
 }
 
 TEST(MarkupProposal, DoesNotDependOnWhereTheBodyStands) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include <Eigen/Cholesky>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -128,10 +129,7 @@ void check_known(const Skeleton& skeleton, const std::vector<Bone>& bones, int f
       fewest_vertices, fmt::join(counts, ", ")));
 }
 
-}  // namespace
-
-SkeletalMotion extract_skeleton(const MeshSequence& clip, const Markup& markup,
-                                const SkeletonExtractionOptions& options) {
+void check_input(const MeshSequence& clip, const Markup& markup, const SkeletonExtractionOptions& options) {
   if (options.fewest_vertices < 3) {
     throw InvalidArgument(fmt::format(
         "fewest_vertices: expected 3 or more, for fewer fix no rotation; found {}", options.fewest_vertices));
@@ -142,12 +140,25 @@ SkeletalMotion extract_skeleton(const MeshSequence& clip, const Markup& markup,
   } catch (const InvalidArgument& error) {
     throw InvalidArgument(fmt::format("the markup does not fit clip '{}': {}", clip.name(), error.what()));
   }
-  const Skeleton& skeleton = markup.skeleton;
+}
+
+std::vector<Bone> fit_bones(const MeshSequence& clip, const Markup& markup,
+                            const SkeletonExtractionOptions& options) {
   std::vector<Bone> bones = make_bones(*clip.topology(), markup, options.fewest_vertices);
-  check_known(skeleton, bones, options.fewest_vertices);
+  check_known(markup.skeleton, bones, options.fewest_vertices);
   parallel_for(0, bones.size(), [&](std::size_t j) {
     if (bones[j].is_known) fit_bone(clip, bones[j]);
   });
+  return bones;
+}
+
+}  // namespace
+
+SkeletalMotion extract_skeleton(const MeshSequence& clip, const Markup& markup,
+                                const SkeletonExtractionOptions& options) {
+  check_input(clip, markup, options);
+  const Skeleton& skeleton = markup.skeleton;
+  const std::vector<Bone> bones = fit_bones(clip, markup, options);
 
   SkeletalMotion motion{.name = clip.name(),
                         .skeleton = skeleton,
@@ -186,6 +197,44 @@ std::vector<bool> followed_bones(const Topology& topology, const Markup& markup,
   for (const Bone& bone : make_bones(topology, markup, options.fewest_vertices))
     followed.push_back(bone.is_known);
   return followed;
+}
+
+Skeleton refine_joints(const std::vector<MeshSequence>& clips, const Markup& markup,
+                       const SkeletonExtractionOptions& options) {
+  constexpr double farthest = 0.05;   // metres
+  constexpr double stiffness = 0.02;  // of the old place, beside the squared turning of the bones (radians)
+  const std::size_t joints = markup.skeleton.joints.size();
+  // Normal equations of (R_parent - R_own) c = t_own - t_parent over all frames, about the old place.
+  std::vector<Eigen::Matrix3d> A(joints, Eigen::Matrix3d::Zero());
+  std::vector<Eigen::Vector3d> b(joints, Eigen::Vector3d::Zero());
+  std::size_t frames = 0;
+  for (const MeshSequence& clip : clips) {
+    check_input(clip, markup, options);
+    const std::vector<Bone> bones = fit_bones(clip, markup, options);
+    frames += clip.frame_count();
+    for (std::size_t j = 0; j < joints; ++j) {
+      const Joint& joint = markup.skeleton.joints[j];
+      if (joint.parent < 0 || !bones[j].is_known) continue;
+      const Bone& parent = bones[static_cast<std::size_t>(joint.parent)];
+      if (!parent.is_known) continue;
+      for (std::size_t f = 0; f < clip.frame_count(); ++f) {
+        const Eigen::Matrix3d turning = parent.fits[f].rotation - bones[j].fits[f].rotation;
+        A[j] += turning.transpose() * turning;
+        b[j] += turning.transpose() *
+                (bones[j].fits[f].carry(joint.rest_position) - parent.fits[f].carry(joint.rest_position));
+      }
+    }
+  }
+  Skeleton refined = markup.skeleton;
+  for (std::size_t j = 0; j < joints; ++j) {
+    const Eigen::Matrix3d regularised = A[j] + stiffness *
+                                                   static_cast<double>(std::max<std::size_t>(frames, 1)) *
+                                                   Eigen::Matrix3d::Identity();
+    Eigen::Vector3d step = regularised.ldlt().solve(b[j]);
+    if (step.norm() > farthest) step *= farthest / step.norm();
+    refined.joints[j].rest_position += step;
+  }
+  return refined;
 }
 
 PoseDifference pose_difference(const SkeletalMotion& motion, const std::vector<SkeletonPose>& truth) {

@@ -35,6 +35,13 @@ SkeletalMotion extract_skeleton(const MeshSequence& clip, const Markup& markup,
 std::vector<bool> followed_bones(const Topology& topology, const Markup& markup,
                                  const SkeletonExtractionOptions& options = {});
 
+// The markup's skeleton with joints moved to where the bones on both sides agree best through all clips: a
+// joint is the point that both carry alike, as far as they turn against each other; in directions that the
+// motion does not show, and where a bone or its parent is not followed, it stays. No joint moves farther than
+// 6 cm. For skeletons that were placed by eye. Throws as `extract_skeleton` does.
+Skeleton refine_joints(const std::vector<MeshSequence>& clips, const Markup& markup,
+                       const SkeletonExtractionOptions& options = {});
+
 // How far two motions of one skeleton are apart: mean and greatest over frames, per joint.
 struct PoseDifference {
   std::vector<double> mean_distance, max_distance;  // metres

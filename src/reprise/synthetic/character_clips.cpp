@@ -43,7 +43,7 @@ std::vector<ClipScore> gaits() {
 
   const GaitCourse faster{.jog = from_to(0.25, 1.0), .first_phase = 0.25};
   scores.push_back(gait_score("walk_jog", 36, faster, constant(always), standing, 9));
-  const GaitCourse slower{.jog = [](double t) { return ramp(1.05, 0.3, t); }, .first_phase = 0.1};
+  const GaitCourse slower{.jog = [](double t) { return ramp(0.78, 0.12, t); }, .first_phase = 0.1};
   scores.push_back(gait_score("jog_walk", 36, slower, constant(always), standing, 10));
   return scores;
 }

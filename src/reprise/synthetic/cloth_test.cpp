@@ -29,7 +29,8 @@ constexpr double leg_radius = 0.08, leg_length = 0.7;
 
 // Legs that hang from hips and swing, under a skirt that hangs from a waist.
 struct Dancer {
-  Dancer() {
+  // `full`: fullness at the hem.
+  explicit Dancer(double full = 1.0) {
     leg = test::leg(leg_radius, leg_length);
     const test::TestSurface cone = test::tube(around, along, [](double angle, double part) {
       const double r = waist + (hem - waist) * part;
@@ -41,6 +42,10 @@ struct Dancer {
     skirt.triangles = cone.triangles;
     skirt.freedom.assign(static_cast<std::size_t>(around) * along, 1.0);
     std::fill_n(skirt.freedom.begin(), around, 0.0);
+    if (full != 1.0) {
+      for (int i = 0; i < around * along; ++i)
+        skirt.fullness.push_back(1.0 + (full - 1.0) * std::min(1.0, 1.5 * (i / around) / along));
+    }
     body.kind = BodyLayer::Kind::skin;
     body.triangles = (leg + leg).triangles;
     body.points = legs(0.0, Isometry3d::Identity());
@@ -87,8 +92,8 @@ struct Played {
   double deepest() const { return *std::max_element(penetration.begin(), penetration.end()); }
 };
 
-Played play(const Dance& dance, int frames, const DynamicsOptions& options = {}) {
-  const Dancer dancer;
+Played play(const Dance& dance, int frames, const DynamicsOptions& options = {}, double full = 1.0) {
+  const Dancer dancer(full);
   LayerPlayer player({dancer.body, dancer.skirt}, options, rate);
   const auto skinned = [&](int frame) {
     const Pose pose = dance(frame / rate);
@@ -215,6 +220,64 @@ TEST(Cloth, FreedomDecidesWhoFollowsTheSkin) {
   EXPECT_GT(sag(0.4), 2.0 * sag(0.1));
   EXPECT_NEAR(sag(0.4), 9.81 / std::pow(30.0 * 0.6 / 0.4, 2.0), 1e-3);  // g / rate^2
   EXPECT_LT(sag(1.0), 0.02);                                            // held loosely rather than dropped
+}
+
+TEST(Cloth, FullnessIsCutAroundTheBodyOnly) {
+  const Dancer dancer;
+  const std::size_t count = dancer.skirt.freedom.size();
+  const auto cut = [&](const std::vector<double>& fullness) {
+    return make_cloth(dancer.skirt.points, dancer.skirt.triangles, dancer.skirt.freedom, {}, fullness);
+  };
+  const ParticleSystem plain = cut({}), full = cut(std::vector<double>(count, 1.5));
+  ASSERT_EQ(plain.links.size(), full.links.size());
+  for (const Link& link : full.links) {
+    const double apart = (dancer.skirt.points.row(link.a) - dancer.skirt.points.row(link.b)).norm();
+    const int ring_a = link.a / around, ring_b = link.b / around;
+    const int column_a = link.a % around, column_b = link.b % around;
+    if (ring_a == ring_b) {
+      EXPECT_NEAR(link.length, 1.5 * apart, 1e-3 * apart);
+    } else if (column_a == column_b) {
+      EXPECT_NEAR(link.length, apart, 1e-3 * apart);
+    } else {
+      EXPECT_GT(link.length, 1.05 * apart);
+    }
+  }
+  // More cloth weighs more.
+  double plain_mass = 0.0, full_mass = 0.0;
+  for (std::size_t i = static_cast<std::size_t>(around); i < count; ++i) {
+    plain_mass += 1.0 / plain.inverse_mass[i];
+    full_mass += 1.0 / full.inverse_mass[i];
+  }
+  EXPECT_NEAR(full_mass / plain_mass, 1.5, 0.01);
+}
+
+// A full skirt hangs in folds about where it lies at rest, and stands out in a steady turn as a conical
+// pendulum does: tan(angle from the vertical) = speed^2 * radius / g.
+TEST(Cloth, FullSkirtSwingsOutLikeAConicalPendulum) {
+  constexpr double full = 1.8;
+  const auto slope = [](const Points& skirt) {  // of its lower half: outward per downward
+    const Points upper = skirt.middleRows((along / 2) * around, around), lower = skirt.bottomRows(around);
+    const auto radius = [](const Points& p) {
+      return (p.col(0).array().square() + p.col(2).array().square()).sqrt().mean();
+    };
+    return (radius(lower) - radius(upper)) / (upper.col(1).mean() - lower.col(1).mean());
+  };
+  const Played hanging = play([](double) { return Pose{}; }, 75, {}, full);
+  EXPECT_LT(hem_radius(hanging.skirt.back()), 1.05 * hem);
+  EXPECT_EQ(hanging.penetration.back(), 0.0);
+  double before = hem_radius(hanging.skirt.back());
+  for (const double speed : {4.5, 6.0}) {
+    const Played turning = play(
+        [&](double t) { return turned(t < 1.0 ? 0.5 * speed * t * t : speed * (t - 0.5)); }, 100, {}, full);
+    const Points& skirt = turning.skirt.back();
+    const Points middle = skirt.bottomRows(around * along / 2);
+    const double radius = (middle.col(0).array().square() + middle.col(2).array().square()).sqrt().mean();
+    const double expected = speed * speed * radius / 9.81;
+    EXPECT_GT(slope(skirt), 0.6 * expected) << speed;
+    EXPECT_LT(slope(skirt), 1.4 * expected) << speed;
+    EXPECT_GT(hem_radius(skirt), 1.1 * before);
+    before = hem_radius(skirt);
+  }
 }
 
 // A gathered seam: two vertices at one place are one particle, with or without another name.

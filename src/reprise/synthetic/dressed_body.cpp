@@ -71,6 +71,7 @@ struct DressedBody::Impl {
     }
     add_proxy("eyelashes", BodyLayer::Kind::face, data.proxy(MakehumanKind::eyelashes, costume.eyelashes));
     add_proxy("shoes", BodyLayer::Kind::shoes, shoes);
+    in_shoes = shoes.covered;
     body::keep_pieces(fitted.back(), costume.shoes.pieces);
     if (costume.shoes.color) body::tint(fitted.back().layer, *costume.shoes.color);
     for (const CostumeGarment& garment : costume.garments) add_garment(garment);
@@ -188,6 +189,18 @@ struct DressedBody::Impl {
     }
   }
 
+  // The foot's own sole reaches through the hollow of a shoe's.
+  void hide_soles(BodyLayer& skin) const {
+    constexpr double inside = 0.05;  // metres above the ground
+    for (std::size_t t = 0; t < skin.triangles.size(); ++t) {
+      const Triangle& corners = skin.triangles[t];
+      skin.hidden[t] = std::all_of(corners.begin(), corners.end(), [&](std::int32_t v) {
+        // The skin's vertices are numbered as in the package.
+        return in_shoes[static_cast<std::size_t>(v)] && skin.points(v, 1) < inside;
+      });
+    }
+  }
+
   // Skin under clothes and shoes, clothes under clothes.
   void hide() {
     const auto is_cloth = [](const BodyLayer& layer) {
@@ -197,11 +210,17 @@ struct DressedBody::Impl {
       BodyLayer& inner = fitted[i].layer;
       if (inner.kind != BodyLayer::Kind::skin && !is_cloth(inner)) continue;
       inner.hidden.assign(inner.triangles.size(), false);
+      if (inner.kind == BodyLayer::Kind::skin) hide_soles(inner);
       for (std::size_t j = i + 1; j < fitted.size(); ++j) {
         if (!is_cloth(fitted[j].layer)) continue;
+        const bool in_shoe = fitted[j].layer.kind == BodyLayer::Kind::shoes;
         const std::vector<bool> hidden = body::hidden_under(fitted[i], fitted[j]);
         for (std::size_t t = 0; t < hidden.size(); ++t) {
-          if (hidden[t]) inner.hidden[t] = true;
+          // The ankle is seen in the shoe's opening, whose rim is thick and no border.
+          constexpr double below_ankle = 0.075;
+          if (hidden[t] && !(in_shoe && inner.points(inner.triangles[t][0], 1) > below_ankle)) {
+            inner.hidden[t] = true;
+          }
         }
       }
     }
@@ -232,6 +251,7 @@ struct DressedBody::Impl {
   std::vector<BoneWeights> skin_weights;
   std::vector<bool> covered;        // vertices of the body under clothes
   std::vector<FittedLayer> fitted;  // until all is finished
+  std::vector<bool> in_shoes;       // vertices of the body
   MakehumanTexture shading;         // of the proxy added last
   std::vector<BodyLayer> layers;
   std::vector<std::vector<BoneWeights>> weights;

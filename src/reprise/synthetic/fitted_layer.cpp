@@ -33,6 +33,24 @@ void add_triangle(BodyLayer& layer, const Triangle& corners, const Triangle& uvs
   layer.triangle_uvs.push_back(uvs);
 }
 
+// The height of most of the hem: the median of the border below the middle between waist and lowest point.
+double hem_height(const BodyLayer& layer, double waist) {
+  std::map<Edge, int> edge_count;
+  for (const Triangle& t : layer.triangles) {
+    for (std::size_t k = 0; k < 3; ++k) ++edge_count[edge_of(t[k], t[(k + 1) % 3])];
+  }
+  const double lowest = layer.points.col(1).minCoeff();
+  std::vector<double> heights;
+  for (const auto& [edge, count] : edge_count) {
+    const double height = layer.points(edge.first, 1);
+    if (count == 1 && height < 0.5 * (waist + lowest)) heights.push_back(height);
+  }
+  if (heights.empty()) return lowest;
+  const auto middle = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2);
+  std::nth_element(heights.begin(), middle, heights.end());
+  return *middle;
+}
+
 // Leaves out vertices that no triangle uses.
 void compact(FittedLayer& fitted) {
   BodyLayer& layer = fitted.layer;
@@ -159,14 +177,17 @@ void keep_pieces(FittedLayer& fitted, CostumePieces pieces) {
 
 void reshape_skirt(FittedLayer& fitted, double waist, double hem, double flare, const Eigen::Vector3d& axis) {
   Points& points = fitted.layer.points;
-  const double lowest = points.col(1).minCoeff();
-  if (lowest >= waist) return;
-  const double stretch = (waist - hem) / (waist - lowest);
+  const double end = hem_height(fitted.layer, waist);
+  if (end >= waist) return;
+  const double stretch = (waist - hem) / (waist - end);
   for (Eigen::Index v = 0; v < points.rows(); ++v) {
-    const double below = (waist - points(v, 1)) / (waist - lowest);
+    // An uneven hem becomes nearly level.
+    constexpr double unevenness = 0.15;
+    if (points(v, 1) < end) points(v, 1) = end + unevenness * (points(v, 1) - end);
+    const double below = (waist - points(v, 1)) / (waist - end);
     if (below <= 0.0) continue;
     // The stretch sets in smoothly, so that the waist keeps its shape.
-    points(v, 1) = waist - (waist - lowest) * below * (1.0 + (stretch - 1.0) * smooth_step(2.0 * below));
+    points(v, 1) = waist - (waist - end) * below * (1.0 + (stretch - 1.0) * smooth_step(2.0 * below));
     const double widen = 1.0 + (flare - 1.0) * below * smooth_step(2.0 * below);
     points(v, 0) = axis.x() + widen * (points(v, 0) - axis.x());
     points(v, 2) = axis.z() + widen * (points(v, 2) - axis.z());

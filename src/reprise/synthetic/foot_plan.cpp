@@ -133,7 +133,9 @@ FootState FootPlan::at(double time) const {
   state.yaw = across([](const FootState& s) { return s.yaw; });
   state.pitch = across([](const FootState& s) { return s.pitch; });
   // A swinging foot is at its fastest late: the knee unfolds like a whip.
-  state.ankle -= 0.09 * bump(std::pow(u, 2.6)) * (b0.ankle - a0.ankle);
+  const double late = bump(std::pow(u, 2.6));
+  state.ankle -= 0.09 * late * (b0.ankle - a0.ankle);
+  state.ankle.y() += to.late_lift * late;
   // The lift leans towards the begin: a foot is pulled up and then lowered with care.
   const double early = bump(std::pow(u, 0.8));
   state.ankle.y() += to.clearance * early;

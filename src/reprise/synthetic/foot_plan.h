@@ -45,9 +45,10 @@ struct Step {
   double rise_duration = 0.25;                      // from flat to `end`
   // While the foot stands: turning about the ball, degrees beside `yaw`; heel raised, degrees. May be empty.
   Curve pivot, heel_lift;
-  // Of the swing that leads here: height and outward arc of the ankle beside the straight way, metres; extra
-  // lowering of the toes, degrees.
+  // Of the swing that leads here: height of the ankle beside the straight way, early and late in the swing, and
+  // its outward arc, metres; extra lowering of the toes, degrees.
   double clearance = 0.03;
+  double late_lift = 0.0;
   double outward = 0.0;
   double swing_drop = 0.0;
 };

@@ -4,6 +4,7 @@
 #include "reprise/synthetic/layer_order.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <utility>
 
@@ -98,6 +99,8 @@ void keep_outside(FittedLayer& outer, const FittedLayer& inner, double gap, cons
 std::vector<bool> hidden_under(const FittedLayer& inner, const FittedLayer& outer) {
   constexpr double deepest = 0.05;   // metres under the outer layer
   constexpr double highest = 0.012;  // over it
+  constexpr double touching = 0.004;
+  constexpr double straight = 0.75;  // cosine
   constexpr double from_border = 0.018;
   constexpr double free = 0.25;
   const BodyLayer& cloth = outer.layer;
@@ -117,8 +120,10 @@ std::vector<bool> hidden_under(const FittedLayer& inner, const FittedLayer& oute
         const Vector3d facing = normals.row(static_cast<Eigen::Index>(v)).transpose();
         const auto nearest = tree.closest(p, deepest, &facing);
         if (!nearest) return;
-        const double height = (p - nearest->point).dot(tree.normal(nearest->triangle));
-        if (height > highest) return;
+        const Vector3d to_cloth = nearest->point - p;
+        if (-to_cloth.dot(tree.normal(nearest->triangle)) > highest) return;
+        // Beside a rim, rather than under it, the nearest place is far along the skin.
+        if (to_cloth.norm() > touching && std::abs(to_cloth.dot(facing)) < straight * to_cloth.norm()) return;
         const Triangle& corners = cloth.triangles[static_cast<std::size_t>(nearest->triangle)];
         for (const std::int32_t corner : corners) {
           if (!cloth.freedom.empty() && cloth.freedom[static_cast<std::size_t>(corner)] > free) return;

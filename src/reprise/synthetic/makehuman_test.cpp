@@ -119,7 +119,8 @@ TEST(MakehumanProxy, FitIsTheSumOfReferencesAndOffset) {
 
   // Straight from the file, in its decimetres.
   const json file = json::parse(read(dress.mesh.path));
-  const json& flat = json::parse(read(body.mesh.path))["vertices"];
+  const json body_file = json::parse(read(body.mesh.path));
+  const json& flat = body_file["vertices"];
   for (const std::size_t v : {std::size_t{0}, std::size_t{500}, std::size_t{1341}}) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       double sum = file["offsets"][v][axis].get<double>();

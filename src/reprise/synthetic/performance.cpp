@@ -53,6 +53,7 @@ Performance::Performance(const Skeleton& skeleton, ClipScore score)
     for (Step& step : score_.steps[side]) {
       step.place *= scale_;
       step.clearance *= scale_;
+      step.late_lift *= scale_;
       step.outward *= scale_;
     }
     feet_.emplace_back(foot_shape(skeleton, static_cast<int>(side)), static_cast<int>(side),

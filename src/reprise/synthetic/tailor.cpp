@@ -142,7 +142,7 @@ class FlatPiece {
   }
 
   void flatten() {
-    constexpr int rounds = 12;
+    constexpr int rounds = 30;
     const auto count = static_cast<Eigen::Index>(places_.size());
     std::vector<Eigen::Triplet<double>> entries;
     for (const Part& part : parts_) {

@@ -86,19 +86,22 @@ TEST(ClothCoordinates, AreTrueToSizeOnWhatCanBeLaidFlat) {
     return Vector3d(radius * std::sin(angle), v * 0.7, radius * std::cos(angle));
   });
   const std::vector<Vector2d> cloth = cloth_coordinates(cone.layer);
-  double worst = 0.0, up = 0.0;
+  double worst = 0.0, sum = 0.0, count = 0.0;
   for (const Triangle& t : cone.layer.triangles) {
     for (std::size_t k = 0; k < 3; ++k) {
       const std::int32_t a = t[k], b = t[(k + 1) % 3];
       const double flat = (cloth[static_cast<std::size_t>(a)] - cloth[static_cast<std::size_t>(b)]).norm();
       const double real = (cone.layer.points.row(a) - cone.layer.points.row(b)).norm();
       worst = std::max(worst, std::abs(flat / real - 1.0));
+      sum += std::abs(flat / real - 1.0);
+      count += 1.0;
     }
   }
-  EXPECT_LT(worst, 0.02);
+  EXPECT_LT(worst, 0.05);
+  EXPECT_LT(sum / count, 0.015);
   // Up is up in the middle, and heights agree with the body's.
   const auto middle = [&](int row) { return cloth[static_cast<std::size_t>(row * 31 + 15)]; };
-  up = (middle(20) - middle(0)).normalized().y();
+  const double up = (middle(20) - middle(0)).normalized().y();
   EXPECT_NEAR(up, 1.0, 1e-3);
   EXPECT_NEAR(middle(10).x(), 0.0, 1e-3);
   EXPECT_NEAR(middle(10).y(), 0.35, 0.06);
@@ -107,13 +110,13 @@ TEST(ClothCoordinates, AreTrueToSizeOnWhatCanBeLaidFlat) {
 TEST(PatternColor, RepeatsAtItsScale) {
   for (const auto kind : {CostumePattern::Kind::stripes, CostumePattern::Kind::bands,
                           CostumePattern::Kind::checks, CostumePattern::Kind::dots}) {
-    const CostumePattern pattern{kind, {Color{255, 0, 0}, Color{0, 0, 255}}, 0.05};
+    const CostumePattern pattern{kind, {Color{255, 0, 0}, Color{0, 0, 255}}, 0.0625};
     bool differs = false;
     for (int i = 0; i < 400; ++i) {
-      const Vector2d p(0.0037 * i, 0.0101 * (i % 37));
+      const Vector2d p(i / 1024.0, (7 * i % 97) / 1024.0);  // exact, so that edges fall alike
       const Vector3d color = pattern_color(pattern, p);
-      EXPECT_EQ(color, pattern_color(pattern, p + Vector2d(0.05, 0.0)));
-      EXPECT_EQ(color, pattern_color(pattern, p - Vector2d(0.0, 0.1)));
+      EXPECT_EQ(color, pattern_color(pattern, p + Vector2d(0.0625, 0.0)));
+      EXPECT_EQ(color, pattern_color(pattern, p - Vector2d(0.0, 0.125)));
       differs = differs || color != pattern_color(pattern, Vector2d::Zero());
     }
     EXPECT_TRUE(differs);
@@ -126,7 +129,7 @@ TEST(DrawPattern, BandsFollowTheHeightAndShadeStays) {
   for (int x = 8; x < 16; ++x) {  // darker on one half
     for (int y = 0; y < 16; ++y) std::fill_n(&texture.rgb[static_cast<std::size_t>(3 * (16 * y + x))], 3, 64);
   }
-  const CostumePattern bands{CostumePattern::Kind::bands, {Color{200, 0, 0}, Color{0, 0, 200}}, 0.04};
+  const CostumePattern bands{CostumePattern::Kind::bands, {Color{150, 0, 0}, Color{0, 0, 150}}, 0.04};
   draw_pattern(shirt.layer, bands, 1.0, 256);
   ASSERT_EQ(texture.width, 256);
   int checked = 0;
@@ -139,7 +142,7 @@ TEST(DrawPattern, BandsFollowTheHeightAndShadeStays) {
     };
     const std::size_t on = phase < 0.5 ? 0 : 2;
     ++checked;
-    EXPECT_GT(at(40, on), 100) << y;
+    EXPECT_GT(at(40, on), 150) << y;
     EXPECT_EQ(at(40, 2 - on), 0) << y;
     EXPECT_NEAR(at(40, on), 2 * at(216, on), 4) << y;
   }
