@@ -33,7 +33,7 @@ no_partial_files() {
 }
 
 # A small performance to work on.
-expect 0 "figure.reprise" "$reprise" perform -o figure.reprise --voxel-size 0.06
+expect 0 "figure.reprise" "$reprise" perform --costume figure -o figure.reprise --voxel-size 0.06
 expect 0 "walk" "$reprise" info figure.reprise
 expect 0 '"format_version": 2' "$reprise" info figure.reprise --json
 expect 0 "usable" "$reprise" validate figure.reprise
@@ -147,7 +147,7 @@ expect 1 "thesis.txt" "$reprise" export new.reprise -o mine --format obj
 [ -f mine/thesis.txt ] || fail "export deleted a user's file"
 keep figure.reprise
 for target in "export figure.reprise --clip walk -o full.glb" "export figure.reprise --clip walk -o full.mdd" \
-  "export figure.reprise --clip walk -o full --format ply" "perform -o figure.reprise" \
+  "export figure.reprise --clip walk -o full --format ply" "perform --costume figure -o figure.reprise" \
   "import figure.reprise --sequence walk=walk"; do
   # A limit on the size of files is the nearest thing to a full disk that needs no rights.
   # shellcheck disable=SC2086
@@ -179,7 +179,7 @@ unchanged new.reprise
 [ $? -eq 1 ] || fail "no exit code without standard error"
 
 # Ctrl-C in the middle: an older result stays, nothing half-written is left
-"$reprise" perform -o big.reprise --voxel-size 0.008 > out.txt 2>&1 &
+"$reprise" perform --costume figure -o big.reprise --voxel-size 0.008 > out.txt 2>&1 &
 job=$!
 sleep 1
 kill -INT $job

@@ -81,11 +81,13 @@ Image decode_jpeg(std::string_view bytes, const std::filesystem::path& path) {
   int height = 0;
   int subsampling = 0;
   int color_space = 0;
-  if (tjDecompressHeader3(handle.get(), data, bytes.size(), &width, &height, &subsampling, &color_space) !=
-          0 &&
-      (tjGetErrorCode(handle.get()) == TJERR_FATAL || width < 1)) {
+  const int status =
+      tjDecompressHeader3(handle.get(), data, bytes.size(), &width, &height, &subsampling, &color_space);
+  if (status != 0 && tjGetErrorCode(handle.get()) == TJERR_FATAL) {
     throw InvalidArgument(fmt::format("is not a whole JPEG picture: {}", tjGetErrorStr2(handle.get())));
   }
+  // A file that ends early can pass for a header without a picture.
+  if (width < 1) throw InvalidArgument("is not a whole JPEG picture: it ends before its size is stated");
   check_size(width, height);
   if (color_space == TJCS_CMYK || color_space == TJCS_YCCK) {
     throw InvalidArgument("is a JPEG picture in printing colours (CMYK); expected RGB or grey");

@@ -15,19 +15,23 @@
 namespace reprise {
 namespace {
 
+// Loops up to so much longer than the shortest are cut with it.
+constexpr double much_the_same = 4.0;
+
 // A closed walk of half-edges without a vertex twice.
 using Loop = std::vector<std::int32_t>;
 
 class LoopFinder {
  public:
-  LoopFinder(const TriangleMesh& mesh, const Halfedges& edges) : mesh_(mesh), edges_(edges) {
-    grow_tree();
+  LoopFinder(const TriangleMesh& mesh, const Halfedges& edges, std::int32_t root)
+      : mesh_(mesh), edges_(edges) {
+    grow_tree(root);
     grow_cotree();
   }
 
   // One loop for each edge in neither tree; together they are a basis of the loops of the surface. Shortest
   // first.
-  std::vector<Loop> loops() const {
+  std::vector<std::pair<double, Loop>> loops() const {
     std::vector<std::pair<double, Loop>> found;
     for (std::int32_t h = 0; h < edges_.halfedge_count(); ++h) {
       const std::int32_t g = edges_.twin(h);
@@ -39,9 +43,7 @@ class LoopFinder {
       found.emplace_back(length, std::move(loop));
     }
     std::sort(found.begin(), found.end());
-    std::vector<Loop> result;
-    for (auto& [length, loop] : found) result.push_back(std::move(loop));
-    return result;
+    return found;
   }
 
  private:
@@ -49,15 +51,15 @@ class LoopFinder {
     return to_parent_[edges_.from(h)] == h || to_parent_[edges_.to(h)] == edges_.twin(h);
   }
 
-  void grow_tree() {
+  void grow_tree(std::int32_t root) {
     const auto count = static_cast<std::size_t>(edges_.vertex_count());
     std::vector<double> distance(count, std::numeric_limits<double>::infinity());
     to_parent_.assign(count, Halfedges::removed);
     depth_.assign(count, 0);
     using Entry = std::pair<double, std::int32_t>;
     std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-    distance[0] = 0.0;
-    queue.emplace(0.0, 0);
+    distance[root] = 0.0;
+    queue.emplace(0.0, root);
     while (!queue.empty()) {
       const auto [d, v] = queue.top();
       queue.pop();
@@ -152,10 +154,18 @@ TriangleMesh without_handles(TriangleMesh mesh) {
   while (true) {
     const Halfedges edges(static_cast<std::int32_t>(mesh.points.size()), mesh.triangles);
     if (genus(mesh) <= 0) return mesh;
+    std::vector<std::pair<double, Loop>> loops = LoopFinder(mesh, edges, 0).loops();
+    // Every handle has a short loop and, across it, a long one that is not to be cut. A tree that starts
+    // elsewhere knows the long ones only as detours: look again from where the shortest passes.
+    const std::int32_t root = edges.from(loops.front().second.front());
+    auto again = LoopFinder(mesh, edges, root).loops();
+    if (again.front().first < loops.front().first) loops = std::move(again);
+    const double bound = much_the_same * loops.front().first;
     std::vector<bool> taken(mesh.points.size(), false);
     // Loops of a basis that do not meet can be cut at once: together they separate nothing. A loop that
     // touches a cut one waits for the next round.
-    for (const Loop& loop : LoopFinder(mesh, edges).loops()) {
+    for (const auto& [length, loop] : loops) {
+      if (length > bound) break;
       bool free = true;
       for (const std::int32_t h : loop) free = free && !taken[edges.from(h)];
       if (!free) continue;

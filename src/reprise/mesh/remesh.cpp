@@ -27,6 +27,7 @@ constexpr double min_shape = 0.12;  // of a new triangle: 1 equilateral, 0 degen
 // How far a vertex may lie off the triangles that replace it, relative to their size: keeps the tips of thin
 // parts.
 constexpr double max_loss = 0.15;
+constexpr int most_passes = 40;
 constexpr double crease_reach = 0.35;  // relative to the size of triangles
 
 class Remesher {
@@ -147,7 +148,7 @@ class Remesher {
 
   // Splits the relatively longest or collapses the relatively shortest edges until the count is right.
   void meet_count(int vertices) {
-    while (edges_.live_vertices() != vertices) {
+    for (int pass = 0; pass < most_passes && edges_.live_vertices() != vertices; ++pass) {
       const bool too_many = edges_.live_vertices() > vertices;
       std::vector<std::pair<double, std::int32_t>> order;
       for (std::int32_t h = 0; h < edges_.halfedge_count(); ++h) {

@@ -127,6 +127,15 @@ class Proposal {
   };
   Cut cut(const std::string& landmark, std::uint32_t separated, const std::string& tip,
           const std::string& trunk) const {
+    const std::vector<float> from_tip = loops_.graph().distances(std::array{landmarks_.at(tip)});
+    const auto way = [&](const std::string& name) {
+      return from_tip[static_cast<std::size_t>(landmarks_.at(name))];
+    };
+    if (way(landmark) >= way(trunk)) {
+      throw InvalidArgument(
+          fmt::format("landmark '{}' (vertex {}) is farther from '{}' than '{}' is; is it on the right limb?",
+                      landmark, landmarks_.at(landmark), tip, trunk));
+    }
     const std::vector<std::int32_t> loop =
         loops_.loop(landmarks_.at(landmark), separated, landmarks_.at(tip));
     Cut made;

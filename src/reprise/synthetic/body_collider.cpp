@@ -81,11 +81,9 @@ Eigen::Array3i BodyCollider::cell_of(const Vector3d& point) const {
 void BodyCollider::prepare_search(const Vector3d& low, const Vector3d& high, double radius) {
   radius_ = radius;
   cells_per_metre_ = 1.0 / radius;
-  // Twice the radius, so that normals are whole wherever something can be found.
-  low_ = low.array() - 2.0 * radius;
-  cells_ = (((high - low).array() + 4.0 * radius) / radius).ceil().cast<int>().max(1).min(1000);
+  low_ = low.array() - radius;
+  cells_ = (((high - low).array() + 2.0 * radius) / radius).ceil().cast<int>().max(1).min(1000);
   balls_.resize(triangles_.size());
-  normals_.setZero(points_.rows(), 3);
 
   // Triangles into the cells that their boxes overlap: counted first, then filed.
   std::vector<Eigen::Array3i> last_cells(triangles_.size());
@@ -107,7 +105,6 @@ void BodyCollider::prepare_search(const Vector3d& low, const Vector3d& high, dou
                        static_cast<std::int16_t>(first.z())};
     if ((first > last_cells[t]).any()) continue;
     ball.normal = (b - a).cross(c - a);
-    for (const std::int32_t v : triangles_[t]) normals_.row(v) += ball.normal;
     ball.centre = (a + b + c) / 3.0;
     ball.radius = std::sqrt(std::max(
         {(a - ball.centre).squaredNorm(), (b - ball.centre).squaredNorm(), (c - ball.centre).squaredNorm()}));
@@ -163,15 +160,37 @@ BodyCollider::Nearest BodyCollider::nearest(const Vector3d& particle, std::int32
   return at(va / sum, vb / sum, vc / sum, 0);
 }
 
-Vector3d BodyCollider::smooth_normal(std::int32_t triangle, const Vector3d& weights) const {
-  Vector3d normal = Vector3d::Zero();
-  for (int k = 0; k < 3; ++k) {
-    const Vector3d n =
-        normals_.row(triangles_[static_cast<std::size_t>(triangle)][static_cast<std::size_t>(k)]);
-    const double length = n.norm();
-    if (length > 0.0) normal += weights[k] / length * n;
+// Unit, or zero for a triangle without area.
+Vector3d BodyCollider::face_normal(std::int32_t triangle) const {
+  const Vector3d a = corner(triangle, 0);
+  return (corner(triangle, 1) - a).cross(corner(triangle, 2) - a).stableNormalized();
+}
+
+// The normal that tells inside from outside where the nearest point lies on that feature: of the face, the
+// mean of two faces at an edge, weighted by angles at a corner (Baerentzen and Aanaes 2005). Others err at
+// sharp places.
+Vector3d BodyCollider::outward(std::int32_t triangle, int feature) const {
+  if (feature == 0) return face_normal(triangle);
+  if (feature <= 3) {
+    const std::int32_t other =
+        across_[static_cast<std::size_t>(triangle)][static_cast<std::size_t>(feature - 1)];
+    return other < 0 ? face_normal(triangle)
+                     : (face_normal(triangle) + face_normal(other)).stableNormalized();
   }
-  return normal;
+  const auto vertex = triangles_[static_cast<std::size_t>(triangle)][static_cast<std::size_t>(feature - 4)];
+  const auto v = static_cast<std::size_t>(vertex);
+  Vector3d sum = Vector3d::Zero();
+  for (std::int32_t i = fan_begin_[v]; i < fan_begin_[v + 1]; ++i) {
+    const std::int32_t face = fan_[static_cast<std::size_t>(i)];
+    const Triangle& corners = triangles_[static_cast<std::size_t>(face)];
+    const int k = corners[0] == vertex ? 0 : corners[1] == vertex ? 1 : 2;
+    const Vector3d to_next = corner(face, (k + 1) % 3) - corner(face, k),
+                   to_last = corner(face, (k + 2) % 3) - corner(face, k);
+    const Vector3d normal = to_next.cross(to_last);
+    const double size = normal.norm();
+    if (size > 0.0) sum += std::atan2(size, to_next.dot(to_last)) / size * normal;
+  }
+  return sum.stableNormalized();
 }
 
 Candidates BodyCollider::find(const Vector3d& particle, std::int32_t guess) const {
@@ -223,7 +242,7 @@ Candidates BodyCollider::find(const Vector3d& particle, std::int32_t guess) cons
   // something thin), met squarely, and from another direction: half-spaces that look alike say the same.
   std::array<Vector3d, 3> directions;
   directions[0] = best.offset.normalized();
-  if (best.offset.dot(smooth_normal(found[0], best.weights)) < 0.0) directions[0] *= -1.0;
+  if (best.offset.dot(outward(found[0], best.feature)) < 0.0) directions[0] *= -1.0;
   for (std::size_t slot = 1; slot < found.size(); ++slot) {
     double least = radius_ * radius_;
     for (const std::int32_t triangle : near) {
@@ -243,8 +262,7 @@ Candidates BodyCollider::find(const Vector3d& particle, std::int32_t guess) cons
       for (std::size_t k = 0; k < slot; ++k) other_side &= place.offset.dot(directions[k]) < 0.5 * distance;
       if (!other_side || place.squared > least || (place.squared == least && triangle > found[slot]))
         continue;
-      const Vector3d normal = smooth_normal(triangle, place.weights);
-      if (place.offset.dot(normal) < 0.7 * distance * normal.norm()) continue;
+      if (place.offset.dot(outward(triangle, place.feature)) < 0.7 * distance) continue;
       least = place.squared;
       found[slot] = triangle;
       directions[slot] = place.offset / std::max(distance, 1e-12);
@@ -288,16 +306,11 @@ Touch BodyCollider::touch(const Vector3d& particle, std::int32_t& triangle) cons
       open_vertex_[static_cast<std::size_t>(corners[static_cast<std::size_t>(here.feature - 4)])])
     return result;
 
-  const Vector3d outward = smooth_normal(triangle, here.weights);
+  const Vector3d normal = outward(triangle, here.feature);
   const double length = std::sqrt(here.squared);
-  const bool inside = here.offset.dot(outward) < 0.0;
-  if (length > 1e-7) {
-    result.normal = (inside ? -1.0 : 1.0) / length * here.offset;
-  } else {
-    const double size = outward.norm();
-    if (!(size > 0.0)) return result;
-    result.normal = outward / size;
-  }
+  const bool inside = here.offset.dot(normal) < 0.0;
+  if (length <= 1e-7 && normal.isZero(0.0)) return result;
+  result.normal = length > 1e-7 ? Vector3d((inside ? -1.0 : 1.0) / length * here.offset) : normal;
   result.distance = inside ? -length : length;
   if (result.distance < -deepest) return result;
   result.movement.setZero();

@@ -58,7 +58,8 @@ class BodyCollider {
   Eigen::Vector3d corner(std::int32_t triangle, int k) const {
     return points_.row(triangles_[static_cast<std::size_t>(triangle)][static_cast<std::size_t>(k)]);
   }
-  Eigen::Vector3d smooth_normal(std::int32_t triangle, const Eigen::Vector3d& weights) const;
+  Eigen::Vector3d face_normal(std::int32_t triangle) const;
+  Eigen::Vector3d outward(std::int32_t triangle, int feature) const;
   std::size_t cell_idx(const Eigen::Array3i& cell) const {
     return (static_cast<std::size_t>(cell.z()) * static_cast<std::size_t>(cells_.y()) +
             static_cast<std::size_t>(cell.y())) *
@@ -72,7 +73,6 @@ class BodyCollider {
   std::vector<std::int32_t> fan_begin_, fan_;        // triangles round every vertex
   std::vector<bool> open_vertex_;
   Points points_, before_;
-  Points normals_;  // of vertices, as of the last search: good enough to tell inside from outside
 
   // As of the last search, a triangle each.
   struct Ball {

@@ -43,9 +43,10 @@ constexpr double balance_limit = 0.003;
 constexpr double finger_distance = 0.085;  // of the fingers from the wrist, metres
 constexpr double transition = 0.07;        // from fine to coarse, metres over the surface
 
-// Free hair is held this far off the back while layers are merged, so that it becomes a flap with an inner
-// side of its own: hair that is fused with the dress would tear the surface when it swings.
-constexpr double hair_lift = 0.055;
+// Free hair is held so far off the back while layers are merged, and farther the lower it hangs, that it
+// becomes a flap with an inner side of its own: hair fused with the dress would tear the surface when it
+// swings.
+constexpr double hair_lift = 0.045, hair_slope = 0.16;
 
 std::vector<Vector3d> normals_of(const TriangleMesh& mesh) {
   std::vector<Vector3d> normals(mesh.points.size(), Vector3d::Zero());
@@ -135,14 +136,16 @@ std::vector<double> sizing(const TriangleMesh& dense, const std::vector<Part>& p
 std::vector<BodyLayer> with_lifted_hair(const DressedBody& body) {
   std::vector<BodyLayer> layers = body.layers();
   const Skeleton& skeleton = body.skeleton();
-  const Vector3d axis = skeleton.joints[skeleton.joint_idx("chest")].rest_position;
+  const Vector3d axis = skeleton.joints[skeleton.joint_idx("neck")].rest_position;
   for (BodyLayer& layer : layers) {
     if (layer.kind != Kind::hair || layer.freedom.empty()) continue;
     for (Eigen::Index v = 0; v < layer.points.rows(); ++v) {
       Vector3d outward = layer.points.row(v).transpose() - axis;
       outward.y() = 0.0;
       const double x = std::clamp((layer.freedom[v] - 0.1) / 0.5, 0.0, 1.0);
-      layer.points.row(v) += hair_lift * x * x * (3.0 - 2.0 * x) * outward.stableNormalized().transpose();
+      const double drop = std::max(0.0, axis.y() - layer.points(v, 1));
+      layer.points.row(v) +=
+          (hair_lift + hair_slope * drop) * x * x * (3.0 - 2.0 * x) * outward.stableNormalized().transpose();
     }
   }
   return layers;

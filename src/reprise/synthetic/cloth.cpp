@@ -130,9 +130,14 @@ Hinge make_hinge(const std::vector<Vector3d>& x, const Cut& cut, const Edge& edg
   Hinge hinge;
   hinge.particles = p;
   hinge.weights = {c03 + c04, c01 + c02, -c01 - c03, -c02 - c04};
-  Vector3d bend = Vector3d::Zero();
-  for (std::size_t k = 0; k < 4; ++k) bend += hinge.weights[k] * x[at(p[k])];
-  hinge.size = bend.norm();
+  // The bending vector is the edge's length times the sum of both triangles' directions away from it. Not
+  // taken from the places themselves: where the cloth is cut wider than it lies, they would bend it by force.
+  const Vector3d along = (x[at(p[1])] - x[at(p[0])]).stableNormalized();
+  const auto away = [&](int corner) {
+    const Vector3d side = x[at(corner)] - x[at(p[0])];
+    return Vector3d((side - side.dot(along) * along).stableNormalized());
+  };
+  hinge.size = e0 * (away(p[2]) + away(p[3])).norm();
   const double area = 0.5 * (Cut::twice_area(e0, e1, e3) + Cut::twice_area(e0, e2, e4));
   hinge.compliance = area / (3.0 * material.bending);  // Bergou et al.: energy 3 / (2 area) * |bend|^2
   hinge.damping = material.damping;

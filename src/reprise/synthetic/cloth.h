@@ -12,14 +12,14 @@
 
 namespace reprise::dynamics {
 
-// A light cotton.
+// A light cotton, lined.
 struct ClothMaterial {
   double density = 0.18;     // kg/m^2
   double stretch = 1500.0;   // N/m along threads
   double shear = 60.0;       // N/m across them
-  double bending = 6e-5;     // N m
+  double bending = 1e-4;     // N m
   double damping = 0.03;     // seconds in which bending and shear forget their speed
-  double drag = 0.8;         // 1/s, in air, beside what it does to its broad side
+  double drag = 1.5;         // 1/s, in air, beside what it does to its broad side
   double thickness = 0.004;  // metres kept from the body
 };
 

@@ -55,6 +55,7 @@ FootPlan::FootPlan(FootShape shape, int side, std::vector<Step> steps)
 
 FootState FootPlan::standing(const Step& step, double time) const {
   FootState state;
+  state.reach = step.reach;
   const double pivot = step.pivot.empty() ? 0.0 : step.pivot(time) * degree;
   const double rolled =
       std::isfinite(step.begin) ? std::max((time - step.begin) / step.roll_duration, 0.0) : 1.0;
@@ -129,6 +130,7 @@ FootState FootPlan::at(double time) const {
   };
   FootState state;
   state.swing = smooth_step(u / 0.15) * smooth_step((1.0 - u) / 0.07);
+  state.reach = lerp(from.reach, to.reach, smooth_step(u));
   state.ankle = across([](const FootState& s) -> Vector3d { return s.ankle; });
   state.yaw = across([](const FootState& s) { return s.yaw; });
   state.pitch = across([](const FootState& s) { return s.pitch; });

@@ -45,12 +45,14 @@ struct Step {
   double rise_duration = 0.25;                      // from flat to `end`
   // While the foot stands: turning about the ball, degrees beside `yaw`; heel raised, degrees. May be empty.
   Curve pivot, heel_lift;
-  // Of the swing that leads here: height of the ankle beside the straight way, early and late in the swing, and
-  // its outward arc, metres; extra lowering of the toes, degrees.
+  // Of the swing that leads here: height of the ankle beside the straight way, early and late in the swing,
+  // and its outward arc, metres; extra lowering of the toes, degrees.
   double clearance = 0.03;
   double late_lift = 0.0;
   double outward = 0.0;
   double swing_drop = 0.0;
+  // Share of its length to which the leg may stretch while it stands; a swinging one holds back beyond.
+  double reach = 0.9945;
 };
 
 struct FootState {
@@ -59,6 +61,7 @@ struct FootState {
   double pitch = 0.0;      // radians
   double toe_pitch = 0.0;  // of the toes in the world
   double swing = 0.0;      // 0 standing, 1 in the middle of a swing
+  double reach = 1.0;      // see `Step`
   bool heel_down = false;
   bool ball_down = false;
 

@@ -70,6 +70,7 @@ GaitStyle jog_style() {
           .lift_pitch = -46.0,
           .rise = 0.19,
           .clearance = 0.11,
+          .reach = 0.976,
           .late_lift = 0.05,
           .outward = 0.0,
           .swing_drop = 18.0,
@@ -226,6 +227,7 @@ std::vector<Step> Gait::steps(int side) const {
     if (strides)
       step.rise_duration = std::min(step.rise_duration, step.end - step.begin - step.roll_duration);
     step.clearance = lerp(walk.clearance, run.clearance, jog) + 0.03 * (1.0 - std::min(pace_in, 1.0));
+    step.reach = lerp(walk.reach, run.reach, jog);
     step.late_lift = lerp(walk.late_lift, run.late_lift, jog);
     step.outward = lerp(walk.outward, run.outward, jog);
     step.swing_drop = lerp(walk.swing_drop, run.swing_drop, jog);

@@ -27,6 +27,7 @@ struct GaitStyle {
   double lift_pitch = -56.0;
   double rise = 0.30;  // seconds from flat to toe-off
   double clearance = 0.03;
+  double reach = 0.9945;  // of the standing leg, see `Step`
   double late_lift = 0.0;
   double outward = 0.012;
   double swing_drop = -14.0;

@@ -133,7 +133,10 @@ void HairLayer::link_guides(const std::vector<double>& freedom, const HairMateri
     if (freedom[g] <= pinned_freedom || ways.source[g] < 0) {
       particles_.inverse_mass[g] = 0.0;
     } else {
-      if (freedom[g] < 1.0) particles_.attachments.push_back(attachment_for(guide, freedom[g], mass));
+      Attachment attachment = attachment_for(guide, freedom[g], mass);
+      const double combed = 1.0 / (mass * material.combing * material.combing);
+      if (attachment.compliance > combed) attachment = {guide, combed, 1.0 / material.combing};
+      particles_.attachments.push_back(attachment);
       particles_.tethers.push_back({guide, ways.source[g], 1.01 * ways.length[g]});
     }
   }

@@ -17,7 +17,8 @@ struct HairMaterial {
   double bending = 12.0;     // rad/s at which strands straighten again
   double cohesion = 40.0;    // rad/s at which neighbouring strands keep together
   double damping = 0.03;     // seconds in which both forget their speed
-  double drag = 1.5;         // 1/s, in air
+  double combing = 3.5;      // rad/s at which it is drawn to the place where it hangs at rest
+  double drag = 2.5;         // 1/s, in air
   double thickness = 0.010;  // metres that guides keep from the body; vertices keep 3 mm
 };
 

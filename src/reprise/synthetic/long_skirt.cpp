@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t columns_a_gore = 6;
 constexpr double gutter = 0.06;  // of a gore's strip, on either side
-constexpr int texture_size = 512;
+constexpr int texture_width = 512, texture_height = 256;
 
 using Edge = std::pair<std::int32_t, std::int32_t>;
 
@@ -119,8 +119,8 @@ FittedLayer make_long_skirt(const MakehumanBody& body, const Points& points,
   skirt.layer.name = CostumeGarment::long_skirt;
   skirt.layer.kind = BodyLayer::Kind::garment;
   constexpr std::uint8_t grey = 200;
-  skirt.layer.texture = {texture_size, texture_size,
-                         std::vector<std::uint8_t>(std::size_t{3} * texture_size * texture_size, grey)};
+  skirt.layer.texture = {texture_width, texture_height,
+                         std::vector<std::uint8_t>(std::size_t{3} * texture_width * texture_height, grey)};
   return skirt;
 }
 

@@ -18,9 +18,6 @@ using Eigen::Vector3d;
 constexpr double degree = std::numbers::pi / 180.0;
 constexpr double gravity = 9.81;
 
-// Of a leg's length: how far a standing leg may stretch; beyond, a swinging leg holds back.
-constexpr double standing_reach = 0.9945;
-
 enum TrunkJoint { pelvis, spine, chest, neck, head };
 enum SideJoint { collar, upper_arm, forearm, hand, thigh, shin, foot, toe };
 
@@ -190,7 +187,7 @@ void Performance::raise_hips(const std::vector<Controls>& controls) {
         return state.ankle.y() + std::sqrt(std::max(length * length - level, 0.01)) - hip.y();
       };
       // A foot about to land must be within reach as well, or the knee snaps on landing.
-      const double share = lerp(standing_reach, 1.05, state.swing);
+      const double share = lerp(state.reach, 1.05, state.swing);
       limit[k] = std::min(limit[k], height_at(share * legs_[s].reach()));
       const double load = load_[s][k];
       if (load <= 0.0) continue;
@@ -321,7 +318,7 @@ void Performance::pose_leg(SkeletonPose& pose, int side, const Controls& control
       lerp(hips_yaw, state.yaw, 0.65) + side_sign(side) * controls[sided(knee_out, side)] * degree;
   const Vector3d pole(std::sin(yaw), 0.0, std::cos(yaw));
   const Limb::Rotations rotations =
-      legs_[static_cast<std::size_t>(side)].reaching(hip, state.ankle, pole, standing_reach);
+      legs_[static_cast<std::size_t>(side)].reaching(hip, state.ankle, pole, state.reach);
   attach(pose, idx[thigh], rotations.upper);
   attach(pose, idx[shin], rotations.lower);
   attach(pose, idx[foot], state.foot_rotation());

@@ -13,6 +13,7 @@
 
 #include "reprise/core/error.h"
 #include "reprise/math/ground_transform.h"
+#include "reprise/synthetic/foot_contacts.h"
 #include "reprise/synthetic/foot_plan.h"
 #include "reprise/synthetic/foot_planting.h"
 #include "reprise/synthetic/retarget_map.h"

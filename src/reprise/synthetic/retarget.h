@@ -21,9 +21,12 @@ struct RetargetOptions {
 };
 
 // Resamples, transfers joint rotations (rest poses may differ: bones are matched by their directions), scales
-// the path by leg length, puts the first frame at the origin along +Z, and adds a lead-in that eases from
-// standing at the first pose. Throws `InvalidArgument` for a joint that the map names and the motion does not
-// have (lists what is there), or if no built-in map fits.
+// the path by leg length, puts the first frame at the origin along +Z, and adds a lead-in of 1.5 s that eases
+// from standing into the first pose. Feet that are slow and low are in contact. A capture floor that is
+// slightly tilted is levelled, and T-poses that a converter put before the motion are left out. The
+// performer's first joint is its pelvis; it stands at rest on flat feet at y = 0 and looks along +Z. Throws
+// `InvalidArgument` for a joint that the map names and the motion does not have (lists what is there), or if
+// no built-in map fits.
 PerformerClip retarget(const SkeletalMotion& motion, const Skeleton& performer,
                        const RetargetOptions& options = {});
 

@@ -15,8 +15,8 @@
 #include "reprise/core/error.h"
 #include "reprise/io/acclaim.h"
 #include "reprise/io/bvh.h"
+#include "reprise/synthetic/foot_contacts.h"
 #include "reprise/synthetic/foot_plan.h"
-#include "reprise/synthetic/foot_planting.h"
 #include "support/test_data.h"
 
 namespace reprise {
@@ -311,7 +311,7 @@ TEST(Retarget, RefusesWhatIsNoMotion) {
 }
 
 // Contacts of a foot that steps once a second: down for 0.6 s, with jitter as of markers.
-TEST(FootPlanting, ContactsAreFoundThroughNoise) {
+TEST(FootContactDetection, ContactsAreFoundThroughNoise) {
   constexpr double rate = 120.0;
   retargeting::FootTrack track;
   std::vector<bool> truth;
@@ -335,7 +335,7 @@ TEST(FootPlanting, ContactsAreFoundThroughNoise) {
   EXPECT_LE(wrong, 9 * 6);  // found within 50 ms
 }
 
-TEST(FootPlanting, ASlopingCaptureFloorIsFound) {
+TEST(FootContactDetection, ASlopingCaptureFloorIsFound) {
   std::array<retargeting::FootTrack, 2> tracks;
   for (int f = 0; f < 480; ++f) {
     for (const int side : {0, 1}) {
