@@ -160,6 +160,13 @@ BodyCollider::Nearest BodyCollider::nearest(const Vector3d& particle, std::int32
   return at(va / sum, vb / sum, vc / sum, 0);
 }
 
+bool BodyCollider::on_open_edge(std::int32_t triangle, int feature) const {
+  const auto t = static_cast<std::size_t>(triangle);
+  if (feature == 0) return false;
+  if (feature <= 3) return across_[t][static_cast<std::size_t>(feature - 1)] < 0;
+  return open_vertex_[static_cast<std::size_t>(triangles_[t][static_cast<std::size_t>(feature - 4)])];
+}
+
 // Unit, or zero for a triangle without area.
 Vector3d BodyCollider::face_normal(std::int32_t triangle) const {
   const Vector3d a = corner(triangle, 0);
@@ -203,8 +210,9 @@ Candidates BodyCollider::find(const Vector3d& particle, std::int32_t guess) cons
   // Equal distances (at shared edges) go to the lower index, whatever was tried first.
   const auto try_as_nearest = [&](std::int32_t triangle) {
     const Nearest place = nearest(particle, triangle);
-    if (place.squared < best.squared ||
-        (place.squared == best.squared && found[0] >= 0 && triangle < found[0])) {
+    if ((place.squared < best.squared ||
+         (place.squared == best.squared && found[0] >= 0 && triangle < found[0])) &&
+        !on_open_edge(triangle, place.feature)) {  // the rim of a shoe must not hide the ankle in it
       best = place;
       found[0] = triangle;
     }
@@ -260,7 +268,8 @@ Candidates BodyCollider::find(const Vector3d& particle, std::int32_t guess) cons
       const Nearest place = nearest(particle, triangle);
       const double distance = std::sqrt(place.squared);
       for (std::size_t k = 0; k < slot; ++k) other_side &= place.offset.dot(directions[k]) < 0.5 * distance;
-      if (!other_side || place.squared > least || (place.squared == least && triangle > found[slot]))
+      if (!other_side || place.squared > least || (place.squared == least && triangle > found[slot]) ||
+          on_open_edge(triangle, place.feature))
         continue;
       if (place.offset.dot(outward(triangle, place.feature)) < 0.7 * distance) continue;
       least = place.squared;
@@ -299,12 +308,7 @@ Touch BodyCollider::touch(const Vector3d& particle, std::int32_t& triangle) cons
     here = there;
   }
   const Triangle& corners = triangles_[static_cast<std::size_t>(triangle)];
-  if (here.feature >= 1 && here.feature <= 3 &&
-      across_[static_cast<std::size_t>(triangle)][static_cast<std::size_t>(here.feature - 1)] < 0)
-    return result;
-  if (here.feature >= 4 &&
-      open_vertex_[static_cast<std::size_t>(corners[static_cast<std::size_t>(here.feature - 4)])])
-    return result;
+  if (on_open_edge(triangle, here.feature)) return result;
 
   const Vector3d normal = outward(triangle, here.feature);
   const double length = std::sqrt(here.squared);

@@ -58,6 +58,7 @@ class BodyCollider {
   Eigen::Vector3d corner(std::int32_t triangle, int k) const {
     return points_.row(triangles_[static_cast<std::size_t>(triangle)][static_cast<std::size_t>(k)]);
   }
+  bool on_open_edge(std::int32_t triangle, int feature) const;
   Eigen::Vector3d face_normal(std::int32_t triangle) const;
   Eigen::Vector3d outward(std::int32_t triangle, int feature) const;
   std::size_t cell_idx(const Eigen::Array3i& cell) const {

@@ -146,8 +146,24 @@ TEST(BodyCollider, OpenEdgesHoldNothing) {
   ASSERT_TRUE(touch.valid);
   EXPECT_NEAR(touch.distance, 0.01, 1e-12);
   triangle = collider.find(beside)[0];
+  EXPECT_TRUE(triangle < 0 || !collider.touch(beside, triangle).valid);
+}
+
+// A shoe around an ankle: its rim is nearer than the ankle, which must be found all the same.
+TEST(BodyCollider, RimOfAShoeDoesNotHideTheAnkle) {
+  const TestSurface shoe = test::tube(24, 6, [](double angle, double part) {
+    return Eigen::RowVector3d(0.06 * std::cos(angle), -0.3 - 0.1 * part, -0.06 * std::sin(angle));
+  });
+  const TestSurface both = test::leg(0.045, length) + shoe;
+  BodyCollider collider(both.triangles, both.points.rows());
+  collider.move(both.points);
+  collider.prepare_search(Vector3d(-0.2, -1.0, -0.2), Vector3d(0.2, 0.2, 0.2), 0.03);
+  const Vector3d p(0.058, -0.295, 0.0);
+  std::int32_t triangle = collider.find(p)[0];
   ASSERT_GE(triangle, 0);
-  EXPECT_FALSE(collider.touch(beside, triangle).valid);
+  const Touch touch = collider.touch(p, triangle);
+  ASSERT_TRUE(touch.valid);
+  EXPECT_NEAR(touch.distance, 0.013, 5e-4);
 }
 
 }  // namespace

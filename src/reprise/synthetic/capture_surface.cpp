@@ -43,11 +43,6 @@ constexpr double balance_limit = 0.003;
 constexpr double finger_distance = 0.085;  // of the fingers from the wrist, metres
 constexpr double transition = 0.07;        // from fine to coarse, metres over the surface
 
-// Free hair is held so far off the back while layers are merged, and farther the lower it hangs, that it
-// becomes a flap with an inner side of its own: hair fused with the dress would tear the surface when it
-// swings.
-constexpr double hair_lift = 0.045, hair_slope = 0.16;
-
 std::vector<Vector3d> normals_of(const TriangleMesh& mesh) {
   std::vector<Vector3d> normals(mesh.points.size(), Vector3d::Zero());
   for (const Triangle& t : mesh.triangles) {
@@ -132,25 +127,6 @@ std::vector<double> sizing(const TriangleMesh& dense, const std::vector<Part>& p
   return size;
 }
 
-// The layers as they are merged.
-std::vector<BodyLayer> with_lifted_hair(const DressedBody& body) {
-  std::vector<BodyLayer> layers = body.layers();
-  const Skeleton& skeleton = body.skeleton();
-  const Vector3d axis = skeleton.joints[skeleton.joint_idx("neck")].rest_position;
-  for (BodyLayer& layer : layers) {
-    if (layer.kind != Kind::hair || layer.freedom.empty()) continue;
-    for (Eigen::Index v = 0; v < layer.points.rows(); ++v) {
-      Vector3d outward = layer.points.row(v).transpose() - axis;
-      outward.y() = 0.0;
-      const double x = std::clamp((layer.freedom[v] - 0.1) / 0.5, 0.0, 1.0);
-      const double drop = std::max(0.0, axis.y() - layer.points(v, 1));
-      layer.points.row(v) +=
-          (hair_lift + hair_slope * drop) * x * x * (3.0 - 2.0 * x) * outward.stableNormalized().transpose();
-    }
-  }
-  return layers;
-}
-
 void check(const CaptureSurfaceOptions& options) {
   if (options.vertices < min_vertices || options.vertices > max_vertices) {
     throw InvalidArgument(
@@ -216,7 +192,7 @@ Eigen::SparseMatrix<double, Eigen::RowMajor> harmonic_weights(const TriangleMesh
 
 CaptureSurface::CaptureSurface(const DressedBody& body, const CaptureSurfaceOptions& options) {
   check(options);
-  const std::vector<BodyLayer> body_layers = with_lifted_hair(body);
+  const std::vector<BodyLayer>& body_layers = body.layers();
   const VisibleLayers visible(body_layers);
   const TriangleMesh dense = capture::solid_of_layers(visible, voxel_size);
   const PartFinder finder(body);
@@ -287,17 +263,15 @@ CaptureSurface::CaptureSurface(const DressedBody& body, const CaptureSurfaceOpti
   }
   membrane_weights_ = harmonic_weights(mesh, membrane_vertices_);
 
-  std::vector<Points> merged, rest;
+  std::vector<Points> rest;
   for (const BodyLayer& layer : body_layers) {
-    merged.push_back(layer.points);
+    rest.push_back(layer.points);
     layer_sizes_.push_back(layer.points.rows());
   }
-  for (const BodyLayer& layer : body.layers()) rest.push_back(layer.points);
   rest_ = pose(rest);
   // Membranes hang flat from here on.
-  const Positions placed = pose(merged);
   for (std::size_t v = 0; v < mesh.points.size(); ++v)
-    mesh.points[v] = placed.row(static_cast<Eigen::Index>(v)).cast<double>().transpose();
+    mesh.points[v] = rest_.row(static_cast<Eigen::Index>(v)).cast<double>().transpose();
 
   UvAtlasOptions atlas_options{.texture_size = options.texture_size,
                                .gutter = std::max(2, options.texture_size / 512)};

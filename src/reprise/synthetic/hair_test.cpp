@@ -159,8 +159,8 @@ TEST(Hair, BlowsInTheWindAsItDoesInARun) {
   const auto run = [](double t) { return test::turn_about(Vector3d::UnitY(), 0.0, {-2.0 * t, 0.0, 0.0}); };
   const std::vector<Points> running = play(run, 120), standing = play(still, 120, 2.0);
   const Points local = test::moved(running.back(), run(119.0 / rate).inverse());
-  EXPECT_LT((local - standing.back()).rowwise().norm().maxCoeff(), 0.015);
-  EXPECT_GT((standing.back() - play(still, 120).back()).bottomRows(columns).col(0).mean(), 0.02);
+  EXPECT_LT((local - standing.back()).rowwise().norm().maxCoeff(), 0.03);  // friction remembers the start
+  EXPECT_GT((standing.back() - play(still, 120).back()).bottomRows(columns).col(0).mean(), 0.05);
 }
 
 TEST(Hair, SameBytesOnEveryRunAndNumberOfThreads) {

@@ -35,7 +35,7 @@ constexpr double band_voxels = 4.0;
 constexpr double sheet_voxels = 0.6;
 constexpr double hair_thickness = 0.003;
 // Gaps narrower than twice this are filled: within the hair, and between hair and body.
-constexpr double hair_closing = 0.012, skin_closing = 0.006;
+constexpr double hair_closing = 0.012, skin_closing = 0.012;
 constexpr double min_hair_alpha = 0.25;
 constexpr int smoothing_steps = 3;
 

@@ -61,6 +61,7 @@ void ParticleSystem::step(double seconds, const Points& targets, const Points& t
   solve_tethers();
   contacts_.clear();
   if (collider != nullptr && !candidates_.empty()) solve_contacts(seconds, *collider, surroundings.friction);
+  solve_reach(targets);
 
   for (std::size_t i = 0; i < size(); ++i) {
     velocity[i] = (position[i] - before_[i]) / seconds;
@@ -166,6 +167,16 @@ void ParticleSystem::solve_tethers() {
     const Vector3d d = p - position[at(tether.anchor)];
     const double squared = d.squaredNorm();
     if (squared > tether.length * tether.length) p -= (1.0 - tether.length / std::sqrt(squared)) * d;
+  }
+}
+
+void ParticleSystem::solve_reach(const Points& targets) {
+  for (const Attachment& attachment : attachments) {
+    const Vector3d target = targets.row(attachment.particle);
+    const Vector3d d = position[at(attachment.particle)] - target;
+    const double squared = d.squaredNorm();
+    if (squared > attachment.reach * attachment.reach)
+      position[at(attachment.particle)] = target + attachment.reach / std::sqrt(squared) * d;
   }
 }
 

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <vector>
 
 #include <Eigen/Core>
@@ -45,11 +46,12 @@ struct Tether {
   double length = 0.0;
 };
 
-// A particle is drawn to its target.
+// A particle is drawn to its target, and never farther from it than `reach` (metres): not even by the body.
 struct Attachment {
   int particle = 0;
   double compliance = 0.0;
   double damping = 0.0;
+  double reach = std::numeric_limits<double>::infinity();
 };
 
 struct Surroundings {
@@ -94,6 +96,7 @@ struct ParticleSystem {
   void solve_links(double seconds);
   void solve_hinges(double seconds);
   void solve_tethers();
+  void solve_reach(const Points& targets);
   void solve_contacts(double seconds, const BodyCollider& collider, double friction);
 
   std::vector<Eigen::Vector3d> before_;

@@ -76,7 +76,8 @@ LinkDistances link_distances(std::size_t particles, std::span<const Link> links,
 // vertex, in order of first vertex.
 std::vector<int> merge_coincident(const Points& points);
 
-// Pull towards the skinned place: infinite at freedom 0, none at 1. Compliance for a particle of that mass.
+// Pull towards the skinned place for a particle of that mass: endless at freedom 0, none at 1; and how far it
+// may stray.
 Attachment attachment_for(int particle, double freedom, double mass);
 
 // Freedom up to which a particle is simply put where the skin says.
