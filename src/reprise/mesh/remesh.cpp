@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "reprise/core/error.h"
+#include "reprise/core/interrupt.h"
 #include "reprise/core/parallel.h"
 #include "reprise/mesh/halfedges.h"
 
@@ -47,6 +48,7 @@ class Remesher {
     scale_ = wanted_scale(options.vertices);
     coarsen(options.vertices);
     for (int i = 0; i < options.iterations; ++i) {
+      throw_if_interrupted();
       split_long();
       collapse_short(longest);
       // The rules above settle a little off the count that equilateral triangles would give.
@@ -92,6 +94,7 @@ class Remesher {
     const double growth = 1.5;
     double ratio = std::sqrt(static_cast<double>(edges_.live_vertices()) / vertices);
     while (ratio > growth) {
+      throw_if_interrupted();
       ratio /= growth;
       scale_ = final_scale / ratio;
       collapse_short(longest);

@@ -70,6 +70,7 @@ class Atlas {
 
  private:
   static constexpr std::int32_t unassigned = -1;
+  static constexpr double nearly_flat = 0.9;   // cosine of a chart's widest angle
   static constexpr std::int32_t in_hand = -2;  // waits to be given to a chart
 
   struct Chart {
@@ -102,9 +103,12 @@ class Atlas {
         rejected.push_back(std::move(grown));
       }
     }
-    // Flatter and smaller pieces: down to single triangles, which always can be.
-    for (const auto& piece : rejected)
-      cover(piece, std::min(0.999, 0.5 * (min_cosine + 1.0)), (piece.size() + 1) / 2);
+    // Flatter pieces, and where they are flat already smaller ones: down to single triangles, which always
+    // can be flattened.
+    for (const auto& piece : rejected) {
+      const std::size_t next = min_cosine < nearly_flat ? piece.size() : (piece.size() + 1) / 2;
+      cover(piece, std::min(0.999, 0.5 * (min_cosine + 1.0)), next);
+    }
   }
 
   // The triangle in hand that is most edges away from those that are not.

@@ -7,7 +7,7 @@
 
 #include <filesystem>
 
-#include "reprise/synthetic/figure.h"
+#include "reprise/synthetic/figure/figure.h"
 #include "reprise/synthetic/performer.h"
 
 namespace reprise {

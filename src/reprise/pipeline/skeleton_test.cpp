@@ -14,7 +14,7 @@
 #include "reprise/pipeline/import.h"
 #include "reprise/pipeline/inspect.h"
 #include "reprise/pipeline/markup.h"
-#include "reprise/synthetic/figure.h"
+#include "reprise/synthetic/figure/figure.h"
 #include "support/test_data.h"
 
 namespace reprise {

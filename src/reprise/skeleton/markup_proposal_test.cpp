@@ -13,7 +13,7 @@
 #include "reprise/core/error.h"
 #include "reprise/skeleton/skeleton_extraction.h"
 #include "reprise/skeleton/surface_loop.h"
-#include "reprise/synthetic/figure.h"
+#include "reprise/synthetic/figure/figure.h"
 #include "support/shapes.h"
 
 namespace reprise {

@@ -12,7 +12,7 @@
 #include "reprise/core/error.h"
 #include "reprise/core/random.h"
 #include "reprise/skeleton/skeleton_test_support.h"
-#include "reprise/synthetic/figure.h"
+#include "reprise/synthetic/figure/figure.h"
 
 namespace reprise {
 namespace {

@@ -8,7 +8,7 @@
 #include "reprise/core/parallel.h"
 #include "reprise/core/progress.h"
 #include "reprise/database/body_parts.h"
-#include "reprise/synthetic/makehuman.h"
+#include "reprise/synthetic/body/makehuman.h"
 
 namespace reprise {
 

@@ -10,10 +10,10 @@
 #include <string>
 
 #include "reprise/database/performance_database.h"
-#include "reprise/synthetic/capture_effects.h"
-#include "reprise/synthetic/capture_surface.h"
-#include "reprise/synthetic/dynamics.h"
-#include "reprise/synthetic/retarget.h"
+#include "reprise/synthetic/dynamics/dynamics.h"
+#include "reprise/synthetic/effects/capture_effects.h"
+#include "reprise/synthetic/motion/retarget.h"
+#include "reprise/synthetic/surface/capture_surface.h"
 
 namespace reprise {
 
