@@ -49,6 +49,19 @@ expect 0 "new.pc2" "$reprise" export new.reprise -o new.pc2
 expect 0 "frames" "$reprise" export figure.reprise --clip walk -o walk --format obj
 expect 0 "frames" "$reprise" export figure.reprise --clip stand -o stand --format ply
 
+# What a performer cannot do is said before the long work begins.
+expect 1 "'nobody'" "$reprise" perform --costume nobody -o no.reprise
+expect 1 "nowhere" "$reprise" perform --makehuman nowhere -o no.reprise
+expect 1 "vertices: expected 1000 to 50000, found 10" "$reprise" perform --vertices 10 -o no.reprise
+expect 1 "noise is -1" "$reprise" perform --noise -1 -o no.reprise
+expect 1 "expected a .bvh or .amc file" "$reprise" perform --motion walk.fbx -o no.reprise
+expect 1 "needs its skeleton" "$reprise" perform --motion walk.amc -o no.reprise
+expect 1 "no motion file" "$reprise" perform --skeleton walk.asf -o no.reprise
+expect 1 "its own clips only" "$reprise" perform --costume figure --motion walk.bvh -o no.reprise
+echo '{"based_on": "fashion1", "garment": []}' > bad.json
+expect 1 "garment" "$reprise" perform --costume bad.json -o no.reprise
+[ ! -e no.reprise ] || fail "a performance that failed left a file"
+
 # Markup and skeletons
 expect 0 "19 joints" "$reprise" info figure.reprise
 expect 0 "degrees from the truth" "$reprise" skeleton figure.reprise -o bvh --report skeleton.json

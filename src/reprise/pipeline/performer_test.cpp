@@ -12,7 +12,9 @@
 
 #include <gtest/gtest.h>
 
+#include "reprise/core/error.h"
 #include "reprise/skeleton/skeleton_extraction.h"
+#include "reprise/synthetic/body/makehuman.h"
 #include "support/promises.h"
 #include "support/test_data.h"
 

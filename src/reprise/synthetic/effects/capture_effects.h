@@ -28,6 +28,10 @@ struct CaptureEffects {
   bool any() const { return noise > 0.0 || drift > 0.0 || studio_lights; }
 };
 
+// Throws `InvalidArgument` for an amount, length or time that is negative or not finite, or for a length or
+// time of zero where there is an amount.
+void validate(const CaptureEffects& effects);
+
 // Applies the effects to a clip, frame by frame. `rest`: N x 3, the surface at rest, on which distances are
 // measured. The same seed, clip name, clip and options give the same result on any number of threads. Throws
 // `InvalidArgument` for an amount, length or time that is negative or not finite, for a length or time of

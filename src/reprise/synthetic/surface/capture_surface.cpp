@@ -127,18 +127,6 @@ std::vector<double> sizing(const TriangleMesh& dense, const std::vector<Part>& p
   return size;
 }
 
-void check(const CaptureSurfaceOptions& options) {
-  if (options.vertices < min_vertices || options.vertices > max_vertices) {
-    throw InvalidArgument(
-        fmt::format("vertices: expected {} to {}, found {}", min_vertices, max_vertices, options.vertices));
-  }
-  const int size = options.texture_size;
-  if (size < min_texture || size > max_texture || (size & (size - 1)) != 0) {
-    throw InvalidArgument(fmt::format("texture_size: expected a power of two from {} to {}, found {}",
-                                      min_texture, max_texture, size));
-  }
-}
-
 // Harmonic weights of the free vertices on the others: each free vertex is the mean of its neighbours,
 // weighted by cotangents.
 Eigen::SparseMatrix<double, Eigen::RowMajor> harmonic_weights(const TriangleMesh& mesh,
@@ -190,8 +178,20 @@ Eigen::SparseMatrix<double, Eigen::RowMajor> harmonic_weights(const TriangleMesh
 
 }  // namespace
 
+void validate(const CaptureSurfaceOptions& options) {
+  if (options.vertices < min_vertices || options.vertices > max_vertices) {
+    throw InvalidArgument(
+        fmt::format("vertices: expected {} to {}, found {}", min_vertices, max_vertices, options.vertices));
+  }
+  const int size = options.texture_size;
+  if (size < min_texture || size > max_texture || (size & (size - 1)) != 0) {
+    throw InvalidArgument(fmt::format("texture_size: expected a power of two from {} to {}, found {}",
+                                      min_texture, max_texture, size));
+  }
+}
+
 CaptureSurface::CaptureSurface(const DressedBody& body, const CaptureSurfaceOptions& options) {
-  check(options);
+  validate(options);
   const std::vector<BodyLayer>& body_layers = body.layers();
   const VisibleLayers visible(body_layers);
   const TriangleMesh dense = capture::solid_of_layers(visible, voxel_size);

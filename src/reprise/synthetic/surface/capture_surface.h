@@ -22,6 +22,9 @@ struct CaptureSurfaceOptions {
   int texture_size = 2048;  // pixels, a power of two from 256 to 8192
 };
 
+// Throws `InvalidArgument` for an option out of range.
+void validate(const CaptureSurfaceOptions& options);
+
 class CaptureSurface {
  public:
   // Merges the layers at rest into one closed, manifold surface (level set, then remeshing to near-uniform
