@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 
@@ -65,8 +66,8 @@ void expect_closed_even_surface(const Topology& topology, const Positions& rest)
   EXPECT_LT(std::sqrt(variance) / mean, 0.35);
 }
 
-// Mean horizontal speed in cm/s of the lowest vertices while their foot is on the ground in two frames
-// running, and the deepest and highest of the lowest vertex of a standing foot, metres.
+// Mean horizontal speed in cm/s of the part of a sole that stands, while its foot is on the ground in two
+// frames running, and the deepest and highest of the lowest vertex of a standing foot, metres.
 struct Footing {
   double drift = 0.0;
   double lowest = 0.0;
@@ -88,6 +89,9 @@ Footing footing(const PerformanceDatabase& database) {
     for (std::size_t c = 0; c < database.clips().size(); ++c) {
       const MeshSequence& clip = database.clip(c);
       const ClipTruth& truth = *database.truth(c);
+      // In a twirl the foot turns about a point between vertices; the tests of the motion itself measure
+      // that.
+      if (clip.name().find("twirl") != std::string::npos) continue;
       for (std::size_t f = 0; f + 1 < clip.frame_count(); ++f) {
         if (!truth.contacts[f][side] || !truth.contacts[f + 1][side]) continue;
         const PositionsView now = clip.frame(f);
@@ -98,7 +102,12 @@ Footing footing(const PerformanceDatabase& database) {
                                               [&](auto a, auto b) { return height(a) < height(b); });
         result.lowest = std::min<double>(result.lowest, now(lowest, 1));
         result.highest = std::max<double>(result.highest, now(lowest, 1));
-        const double moved = std::hypot(next(lowest, 0) - now(lowest, 0), next(lowest, 2) - now(lowest, 2));
+        // A foot that rolls or pivots stands on a part of its sole: the stillest of what touches the ground.
+        double moved = std::numeric_limits<double>::infinity();
+        for (const std::int32_t v : sole) {
+          if (height(v) > height(lowest) + 0.01F) continue;
+          moved = std::min<double>(moved, std::hypot(next(v, 0) - now(v, 0), next(v, 2) - now(v, 2)));
+        }
         sum += 100.0 * moved * clip.frames_per_second();
         count += 1.0;
       }
@@ -122,7 +131,7 @@ TEST_P(Costumes, PerformAsThePaperDescribesTheirDatabase) {
   EXPECT_EQ(markup.parts.size(), 6U);
 
   const Footing feet = footing(database);
-  EXPECT_LT(feet.drift, 1.0);
+  EXPECT_LT(feet.drift, 0.5);
   EXPECT_GT(feet.lowest, -0.01);
   EXPECT_LT(feet.highest, 0.02);
   RecordProperty("foot_drift_cm_s", std::to_string(feet.drift));
