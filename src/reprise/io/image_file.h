@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Pictures from and to files. PNG goes through libpng; JPEG, which textures of captures often are, is only
-// read, through libjpeg-turbo: both are maintained against hostile files and several times as fast as the
-// single-header readers.
+// read, through libjpeg-turbo. Both are maintained against hostile files, which the single-header readers
+// say they are not.
 
 #pragma once
 
