@@ -375,6 +375,17 @@ void balance(const TriangleMesh& dense, double limit, TriangleMesh& mesh) {
   }
 }
 
+std::vector<Eigen::Vector3d> vertex_normals(const TriangleMesh& mesh) {
+  std::vector<Eigen::Vector3d> normals(mesh.points.size(), Eigen::Vector3d::Zero());
+  for (const Triangle& t : mesh.triangles) {
+    const Eigen::Vector3d area =
+        (mesh.points[t[1]] - mesh.points[t[0]]).cross(mesh.points[t[2]] - mesh.points[t[0]]);
+    for (const std::int32_t v : t) normals[v] += area;
+  }
+  for (Eigen::Vector3d& n : normals) n.stableNormalize();
+  return normals;
+}
+
 double edge_length_variation(const TriangleMesh& mesh) {
   // Every edge of a closed mesh is met twice, which changes neither mean nor deviation.
   double sum = 0.0, squares = 0.0;

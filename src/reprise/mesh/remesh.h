@@ -31,6 +31,9 @@ TriangleMesh remesh(const TriangleMesh& dense, const std::vector<double>& relati
 // inside of it: a coarse mesh of a finger keeps its thickness. No vertex moves farther than `limit`.
 void balance(const TriangleMesh& dense, double limit, TriangleMesh& mesh);
 
+// Area-weighted unit normal of every point; zero where no triangle of positive area meets it.
+std::vector<Eigen::Vector3d> vertex_normals(const TriangleMesh& mesh);
+
 // Standard deviation over mean of all edge lengths.
 double edge_length_variation(const TriangleMesh& mesh);
 

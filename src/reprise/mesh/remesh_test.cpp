@@ -194,6 +194,18 @@ TEST(WithoutHandles, MakesASphereOfATorus) {
   EXPECT_NEAR(volume(mesh), 2.0 * std::numbers::pi * std::numbers::pi * 0.09, 0.06);
 }
 
+TEST(VertexNormals, OfATorusPointAwayFromItsRing) {
+  const TriangleMesh mesh = torus(80, 40);
+  const std::vector<Eigen::Vector3d> normals = vertex_normals(mesh);
+  for (std::size_t v = 0; v < mesh.points.size(); ++v) {
+    Eigen::Vector3d ring = mesh.points[v];
+    ring.y() = 0.0;
+    ring.normalize();
+    EXPECT_NEAR(normals[v].norm(), 1.0, 1e-12);
+    EXPECT_GT(normals[v].dot((mesh.points[v] - ring).normalized()), 0.99);
+  }
+}
+
 TEST(Remesh, OfATorusIsUniformCloseAndOfTheSameGenus) {
   const TriangleMesh dense = torus(300, 90);
   double last_deviation = 1.0;

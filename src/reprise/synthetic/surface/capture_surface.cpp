@@ -43,17 +43,6 @@ constexpr double balance_limit = 0.003;
 constexpr double finger_distance = 0.085;  // of the fingers from the wrist, metres
 constexpr double transition = 0.07;        // from fine to coarse, metres over the surface
 
-std::vector<Vector3d> normals_of(const TriangleMesh& mesh) {
-  std::vector<Vector3d> normals(mesh.points.size(), Vector3d::Zero());
-  for (const Triangle& t : mesh.triangles) {
-    const Vector3d area =
-        (mesh.points[t[1]] - mesh.points[t[0]]).cross(mesh.points[t[2]] - mesh.points[t[0]]);
-    for (const std::int32_t v : t) normals[v] += area;
-  }
-  for (Vector3d& n : normals) n.stableNormalize();
-  return normals;
-}
-
 Positions positions_of(const TriangleMesh& mesh) {
   Positions positions(static_cast<Eigen::Index>(mesh.points.size()), 3);
   for (std::size_t i = 0; i < mesh.points.size(); ++i)
@@ -198,7 +187,7 @@ CaptureSurface::CaptureSurface(const DressedBody& body, const CaptureSurfaceOpti
   const PartFinder finder(body);
 
   const auto places_of = [&](const TriangleMesh& mesh) {
-    const std::vector<Vector3d> normals = normals_of(mesh);
+    const std::vector<Vector3d> normals = vertex_normals(mesh);
     std::vector<std::optional<LayerPoint>> places(mesh.points.size());
     parallel_for(
         0, places.size(),
@@ -209,7 +198,7 @@ CaptureSurface::CaptureSurface(const DressedBody& body, const CaptureSurfaceOpti
     return places;
   };
   const auto parts_of = [&](const TriangleMesh& mesh, const std::vector<std::optional<LayerPoint>>& places) {
-    const std::vector<Vector3d> normals = normals_of(mesh);
+    const std::vector<Vector3d> normals = vertex_normals(mesh);
     std::vector<Part> parts(places.size(), Part::other);
     for (std::size_t i = 0; i < places.size(); ++i) {
       if (places[i]) parts[i] = finder.part(*places[i], normals[i]);

@@ -21,6 +21,7 @@
 #include "reprise/core/parallel.h"
 #include "reprise/mesh/halfedges.h"
 #include "reprise/mesh/handles.h"
+#include "reprise/mesh/remesh.h"
 
 namespace reprise::capture {
 namespace {
@@ -352,21 +353,10 @@ TriangleMesh largest_piece(const TriangleMesh& mesh) {
   return result;
 }
 
-std::vector<Vector3d> normals_of(const TriangleMesh& mesh) {
-  std::vector<Vector3d> normals(mesh.points.size(), Vector3d::Zero());
-  for (const Triangle& t : mesh.triangles) {
-    const Vector3d area =
-        (mesh.points[t[1]] - mesh.points[t[0]]).cross(mesh.points[t[2]] - mesh.points[t[0]]);
-    for (const std::int32_t v : t) normals[v] += area;
-  }
-  for (Vector3d& n : normals) n.stableNormalize();
-  return normals;
-}
-
 // From the level that was meshed, a little outside, onto the layers.
 void settle(const VisibleLayers& layers, double voxel_size, TriangleMesh& mesh) {
   const double reach = (sheet_voxels + 1.0) * voxel_size;
-  const std::vector<Vector3d> normals = normals_of(mesh);
+  const std::vector<Vector3d> normals = vertex_normals(mesh);
   std::vector<Vector3d> shift(mesh.points.size());
   parallel_for(
       0, mesh.points.size(),
