@@ -29,6 +29,7 @@ inline void add_clip(PerformanceDatabase& database, const std::string& name, con
   const auto reader = open_sequence(source);
   MeshSequence clip(name, reader->topology(), reader->frame_count(), 25.0);
   parallel_for(0, reader->frame_count(), [&](std::size_t f) { clip.frame(f) = reader->read(f).positions; });
+  clip.set_colors(reader->read(0).colors);
   database.add(std::move(clip));
 }
 

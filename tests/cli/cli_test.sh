@@ -141,6 +141,26 @@ expect 1 "CLIP:FRAME" "$reprise" keyframes figure.reprise --graph graph.json --f
 "$reprise" export figure.reprise --clip stand -o stand_obj --format obj > out.txt 2>&1 || fail "export of OBJ"
 expect 0 "2 clips imported" "$reprise" import pair.reprise --sequence walk=walk --sequence stand=stand_obj -v
 expect 1 "has no markup" "$reprise" skeleton pair.reprise
+
+# Similarity: every metric, and what it asks for
+coarse=(--bins '3,4,8,2,2,2' --refinement 2 --voxel 0.1)
+expect 0 "metric skeleton" "$reprise" similarity figure.reprise --metric skeleton
+expect 0 "pairs exact, the others between bounds" "$reprise" similarity pair.reprise --metric shape-color "${coarse[@]}"
+expect 0 "transport problems solved" "$reprise" similarity pair.reprise --metric shape --exact "${coarse[@]}"
+expect 0 "kept from an earlier run" "$reprise" similarity pair.reprise --metric shape --exact "${coarse[@]}"
+expect 0 "heat.png" "$reprise" similarity pair.reprise --metric shape "${coarse[@]}" --picture heat.png
+expect 0 "transitions" "$reprise" graph pair.reprise -o shape.json --metric shape "${coarse[@]}" --transitions-per-pair 2
+expect 0 '"metric": "shape"' cat shape.json
+expect 1 "did you mean 'vertex'" "$reprise" similarity pair.reprise --metric vertx
+expect 1 "the metrics are shape-colour, shape, vertex, skeleton" "$reprise" graph pair.reprise -o no.json --metric mood
+expect 1 "give it one with \`reprise markup\`" "$reprise" similarity pair.reprise --metric skeleton
+expect 2 "--bins" "$reprise" similarity pair.reprise --metric shape --bins 3,4,8
+expect 2 "--bins" "$reprise" similarity pair.reprise --metric shape --bins 3,4,x,2,2,2
+expect 1 "radius_bins is 0" "$reprise" similarity pair.reprise --metric shape --bins 0,4,8,2,2,2
+expect 1 "voxel_size is 0" "$reprise" similarity pair.reprise --metric shape --voxel 0
+expect 1 "voxels of 0.001 m: expected at most" "$reprise" similarity pair.reprise --metric shape --voxel 0.001
+expect 1 "color_bins" "$reprise" similarity pair.reprise --metric shape-colour --bins 3,4,8,2,2,0
+[ ! -e no.json ] || fail "a graph that failed left a file"
 expect 0 "transitions" "$reprise" graph pair.reprise -o pair.json --remove 'walk->stand'
 expect 0 "transitions" "$reprise" graph pair.reprise -o pair.json
 expect 1 "no path" "$reprise" keyframes pair.reprise --graph pair.json --from walk:1 --to stand:9 --distance 1 --time 1 -o new.reprise

@@ -15,8 +15,7 @@
 namespace reprise::test {
 
 inline SurfaceMotionGraph graph_of(const PerformanceDatabase& database) {
-  return make_graph(database, compute_similarity(database, "unused", {.use_cache = false}).matrix, {},
-                    std::nullopt);
+  return make_graph(database, compute_similarity(database, "unused", {.use_cache = false}), {}, std::nullopt);
 }
 
 // It plays what the path predicts, its joins do not pop, and its triangles are stretched no further than the

@@ -24,6 +24,7 @@ struct Command {
   const char* name;
   const char* summary;
   Action (*add)(CLI::App& command);  // declares the options on `command`
+  bool shares_work = false;          // over MPI ranks
 };
 
 Action add_perform(CLI::App& command);

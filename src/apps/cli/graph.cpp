@@ -5,53 +5,19 @@
 
 #include <filesystem>
 #include <memory>
-#include <string>
-#include <vector>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include "command.h"
+#include "reprise/core/ranks.h"
 #include "reprise/io/database_file.h"
 #include "reprise/pipeline/outputs.h"
 #include "reprise/pipeline/similarity.h"
 #include "reprise/render/plots.h"
+#include "similarity_options.h"
 
 namespace reprise::cli {
-namespace {
-
-void add_transition_options(CLI::App& command, TransitionOptions& options) {
-  command.add_option("--transitions-per-pair", options.transitions_per_pair,
-                     "best transitions kept per ordered pair of clips");
-  command.add_option("--max-half-window", options.max_half_window,
-                     "longest blend, frames on either side of its centre");
-  command.add_option("--min-half-window", options.min_half_window, "shortest blend");
-  command.add_option("--self-min-gap", options.self_min_gap,
-                     "a clip links to itself only over this many frames");
-  command.add_option("--separation", options.separation, "frames between transitions of one pair");
-  command
-      .add_option_function<std::string>(
-          "--criterion",
-          [&options](const std::string& name) {
-            options.criterion =
-                name == "paper-sum" ? WindowCriterion::paper_sum : WindowCriterion::blend_speed;
-          },
-          "how the length of a blend is chosen: blend-speed, or paper-sum (Eq. 5 literally)")
-      ->check(CLI::IsMember({"blend-speed", "paper-sum"}))
-      ->default_str("blend-speed");
-  command.add_option("--acceleration-weight", options.acceleration_weight,
-                     "blend-speed: weight of the peak acceleration, frames^2");
-  command
-      .add_option_function<std::string>(
-          "--profile",
-          [&options](const std::string& name) {
-            options.profile = name == "linear" ? BlendProfile::linear : BlendProfile::smooth;
-          },
-          "blend weight along the window: smooth, or linear (Eq. 2)")
-      ->check(CLI::IsMember({"smooth", "linear"}))
-      ->default_str("smooth");
-}
-
-}  // namespace
 
 Action add_graph(CLI::App& command) {
   struct Arguments {
@@ -67,8 +33,8 @@ Action add_graph(CLI::App& command) {
       .add_option("-o,--output", arguments->output,
                   "graph to write, FILE.json; removals in an older one are kept")
       ->required();
-  command.add_option("--metric", arguments->similarity.metric, "which dissimilarity: vertex");
-  add_transition_options(command, arguments->options.transitions);
+  add_metric_options(command, arguments->similarity);
+  add_transition_options(command, arguments->similarity.transitions);
   command.add_option("--remove", arguments->options.remove,
                      "take out an edge: 'walk->run', or 'walk:12->run:30'");
   command.add_option("--restore", arguments->options.restore, "bring back a removed edge");
@@ -78,9 +44,10 @@ Action add_graph(CLI::App& command) {
     const PerformanceDatabase database = load_database(arguments->database);
     const SimilarityResult similarity =
         compute_similarity(database, arguments->database, arguments->similarity);
+    if (!Ranks::is_first()) return exit_success;
     std::optional<SurfaceMotionGraph> previous;
     if (std::filesystem::exists(arguments->output)) previous = load_graph(arguments->output);
-    const SurfaceMotionGraph graph = make_graph(database, similarity.matrix, arguments->options, previous);
+    const SurfaceMotionGraph graph = make_graph(database, similarity, arguments->options, previous);
     save_graph(graph, arguments->output);
     fmt::print("{}: {} clips, {} transitions, {} of them removed\n", arguments->output.string(),
                graph.clips.size(), graph.transitions.size(),

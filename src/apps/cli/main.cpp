@@ -5,6 +5,8 @@
 #include <array>
 #include <cstdio>
 #include <exception>
+#include <new>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -14,10 +16,12 @@
 #include "reprise/core/error.h"
 #include "reprise/core/interrupt.h"
 #include "reprise/core/log.h"
+#include "reprise/core/ranks.h"
 #include "reprise/core/text.h"
 
 namespace {
 
+using reprise::Ranks;
 using reprise::cli::Action;
 using reprise::cli::Command;
 
@@ -30,8 +34,9 @@ constexpr std::array commands = {
             reprise::cli::add_validate},
     Command{"markup", "say what bones and parts the vertices belong to", reprise::cli::add_markup},
     Command{"skeleton", "follow the skeleton through the clips", reprise::cli::add_skeleton},
-    Command{"similarity", "compare all pairs of frames", reprise::cli::add_similarity},
-    Command{"graph", "find transitions between clips", reprise::cli::add_graph},
+    Command{"similarity", "compare all pairs of frames", reprise::cli::add_similarity,
+            /*shares_work=*/true},
+    Command{"graph", "find transitions between clips", reprise::cli::add_graph, /*shares_work=*/true},
     Command{"keyframes", "make a new animation through key-frames", reprise::cli::add_keyframes},
     Command{"export", "write a clip for other programs: glTF, PC2, MDD, OBJ, PLY", reprise::cli::add_export},
     Command{"render", "draw a clip as video or pictures", reprise::cli::add_render},
@@ -39,9 +44,23 @@ constexpr std::array commands = {
 };
 
 // Never throws: standard error may be closed or full, and the exit code must still tell.
-void complain(const std::string& text) {
+void say(const std::string& text) {
   const std::string line = "reprise: " + text + "\n";
   std::fputs(line.c_str(), stderr);
+}
+
+// Of several ranks that would all say the same, the first speaks.
+void complain(const std::string& text) {
+  if (!Ranks::is_first()) return;
+  say(text);
+}
+
+// The end of a rank that cannot go on; the others must not wait for it.
+int fail(const std::string& text, int code) {
+  complain(text);
+  if (Ranks::all_failed()) return code;
+  if (!Ranks::is_first()) say(text + " (on rank " + std::to_string(Ranks::index()) + ")");
+  Ranks::abort(code);
 }
 
 // The parser only says that a command is missing; a typo deserves its name and the nearest command.
@@ -75,30 +94,49 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? reprise::cli::exit_success : reprise::cli::exit_usage;
+    std::ostringstream unheard;
+    const int code = Ranks::is_first() ? app.exit(error) : app.exit(error, unheard, unheard);
+    return code == 0 ? reprise::cli::exit_success : reprise::cli::exit_usage;
   }
   reprise::initialize_log(verbose);
+  // The others would say the same again.
+  if (!Ranks::is_first()) spdlog::set_level(spdlog::level::err);
   reprise::install_interrupt_handler();
-  for (const auto& [subcommand, action] : actions) {
-    if (subcommand->parsed()) return action();
+  for (std::size_t c = 0; c < actions.size(); ++c) {
+    const auto& [subcommand, action] = actions[c];
+    if (!subcommand->parsed()) continue;
+    if (Ranks::count() > 1 && !commands[c].shares_work) {
+      complain(fmt::format("error: '{}' does not share its work over MPI ranks: start it without mpirun",
+                           commands[c].name));
+      return reprise::cli::exit_usage;
+    }
+    return action();
   }
   return reprise::cli::exit_usage;
+}
+
+// Runs the command on this rank, whatever happens.
+int run_rank(int argc, char** argv) {
+  try {
+    const int code = run(argc, argv);
+    if (std::fflush(stdout) != 0) throw reprise::Error("standard output cannot be written");
+    return code;
+  } catch (const reprise::Cancelled& error) {
+    return fail(error.what(), reprise::cli::exit_interrupted);
+  } catch (const std::bad_alloc&) {
+    return fail("error: out of memory", reprise::cli::exit_failure);
+  } catch (const std::exception& error) {
+    return fail(std::string("error: ") + error.what(), reprise::cli::exit_failure);
+  }
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   try {
-    const int code = run(argc, argv);
-    if (std::fflush(stdout) != 0) throw reprise::Error("standard output cannot be written");
-    return code;
-  } catch (const reprise::Cancelled& error) {
-    complain(error.what());
-    return reprise::cli::exit_interrupted;
-  } catch (const std::bad_alloc&) {
-    complain("error: out of memory");
-    return reprise::cli::exit_failure;
-  } catch (const std::exception& error) {
+    const Ranks ranks;
+    return run_rank(argc, argv);
+  } catch (const std::exception& error) {  // MPI did not start
     complain(std::string("error: ") + error.what());
     return reprise::cli::exit_failure;
   }

@@ -9,12 +9,30 @@
 #include <fmt/format.h>
 
 #include "command.h"
+#include "reprise/core/ranks.h"
 #include "reprise/io/database_file.h"
-#include "reprise/pipeline/graph.h"
 #include "reprise/pipeline/outputs.h"
 #include "reprise/render/plots.h"
+#include "similarity_options.h"
 
 namespace reprise::cli {
+namespace {
+
+void print_report(const SimilarityResult& result, const HistogramOptions& histogram) {
+  const DissimilarityMatrix& matrix = result.matrix;
+  fmt::print("{} x {} frames, metric {}, {:.2f} s{}\n", matrix.frame_count(), matrix.frame_count(),
+             matrix.metric(), result.seconds, result.from_cache ? " (kept from an earlier run)" : "");
+  fmt::print("{} of {} pairs exact{}\n", matrix.exact_count(), matrix.pair_count(),
+             matrix.exact_count() < matrix.pair_count() ? ", the others between bounds" : "");
+  if (matrix.metric().starts_with("shape") && !result.from_cache) {
+    const int turns = histogram.azimuth_bins * histogram.azimuth_refinement;
+    fmt::print("{} of {} x {} transport problems solved, {} more left when they were decided\n",
+               result.statistics.exact_solves, matrix.pair_count(), turns, result.statistics.cut_solves);
+  }
+  fmt::print("{} transitions\n", result.transitions.size());
+}
+
+}  // namespace
 
 Action add_similarity(CLI::App& command) {
   struct Arguments {
@@ -25,8 +43,7 @@ Action add_similarity(CLI::App& command) {
   };
   const auto arguments = std::make_shared<Arguments>();
   command.add_option("database", arguments->database, "a .reprise file")->required();
-  command.add_option("--metric", arguments->options.metric,
-                     "vertex: root-mean-square vertex distance, aligned on the ground");
+  add_metric_options(command, arguments->options);
   command.add_option("--picture", arguments->picture,
                      "write a heat map, FILE.png, with the best transitions marked");
   command.add_flag("--no-cache", arguments->no_cache, "compute anew, keep nothing");
@@ -35,11 +52,10 @@ Action add_similarity(CLI::App& command) {
     arguments->options.use_cache = !arguments->no_cache;
     const PerformanceDatabase database = load_database(arguments->database);
     const SimilarityResult result = compute_similarity(database, arguments->database, arguments->options);
-    fmt::print("{} x {} frames, metric {}, {:.2f} s{}\n", result.matrix.frame_count(),
-               result.matrix.frame_count(), result.matrix.metric(), result.seconds,
-               result.from_cache ? " (kept from an earlier run)" : "");
+    if (!Ranks::is_first()) return exit_success;
+    print_report(result, arguments->options.histogram);
     if (!arguments->picture.empty()) {
-      plot_matrix(result.matrix, find_transitions(database, result.matrix), arguments->picture);
+      plot_matrix(result.matrix, result.transitions, arguments->picture);
       fmt::print("{}\n", arguments->picture.string());
     }
     return exit_success;

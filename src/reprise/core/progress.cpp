@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "reprise/core/interrupt.h"
+#include "reprise/core/ranks.h"
 
 namespace reprise {
 namespace {
@@ -22,7 +23,7 @@ constexpr const char* erase_line = "\r\x1b[K";
 Progress::Progress(std::string label, std::size_t total)
     : label_(std::move(label)),
       total_(total),
-      visible_(isatty(STDERR_FILENO) != 0),
+      visible_(isatty(STDERR_FILENO) != 0 && Ranks::is_first()),
       start_(std::chrono::steady_clock::now()),
       last_drawn_(start_) {}
 

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Reprise authors
 // SPDX-License-Identifier: Apache-2.0
 
-// A progress line on the terminal: silent when standard error is not one.
+// A progress line on the terminal: silent when standard error is not one. Of
+// several ranks the first draws.
 
 #pragma once
 

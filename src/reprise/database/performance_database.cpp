@@ -170,4 +170,23 @@ std::string PerformanceDatabase::content_hash() const {
   return hash.hex();
 }
 
+std::string PerformanceDatabase::appearance_hash() const {
+  ContentHash hash;
+  if (topology_) {
+    hash.add(std::span<const std::array<float, 2>>(topology_->uvs))
+        .add(std::span<const Triangle>(topology_->triangle_uvs));
+    if (const auto& texture = topology_->texture) {
+      hash.add_number(texture->width)
+          .add_number(texture->height)
+          .add(std::span<const std::uint8_t>(texture->rgb));
+    }
+  }
+  for (const MeshSequence& c : clips_) {
+    const std::size_t sets = c.has_colors_per_frame() ? c.frame_count() : c.has_colors() ? 1 : 0;
+    hash.add(c.name()).add_number(static_cast<double>(sets));
+    for (std::size_t f = 0; f < sets; ++f) hash.add(c.colors(f));
+  }
+  return hash.hex();
+}
+
 }  // namespace reprise

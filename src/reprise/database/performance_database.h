@@ -66,6 +66,8 @@ class PerformanceDatabase {
 
   // Content hash of names, rates, topology and positions: the key of everything computed from the database.
   std::string content_hash() const;
+  // Hash of what `content_hash` leaves out and a look depends on: colours, texture and its coordinates.
+  std::string appearance_hash() const;
 
  private:
   TopologyPtr topology_;

@@ -134,6 +134,40 @@ TEST(PerformanceDatabase, KeepsMarkupAndTruth) {
   EXPECT_EQ(crane_and_jumping().content_hash(), hash);
 }
 
+TEST(PerformanceDatabase, HashesAppearanceApartFromShape) {
+  const auto textured = [](std::uint8_t red, float u) {
+    Topology topology = two_triangles();
+    topology.uvs = {{0, 0}, {u, 0}, {1, 1}};
+    topology.triangle_uvs = {{0, 1, 2}, {0, 1, 2}};
+    topology.texture = std::make_shared<const Image>(Image{.width = 1, .height = 1, .rgb = {red, 2, 3}});
+    return clip("a", 2, 25.0, topology);
+  };
+  const auto colored = [](std::vector<Color> colors) {
+    MeshSequence sequence = clip("a", 2);
+    sequence.set_colors(std::move(colors));
+    return sequence;
+  };
+  std::vector<Color> per_frame(8, Color{9, 9, 9});
+  per_frame[7] = {9, 9, 8};
+  std::set<std::string> looks, shapes;
+  for (const MeshSequence& sequence : {clip("a", 2), textured(1, 1.0F), textured(9, 1.0F), textured(1, 0.5F),
+                                       colored(std::vector<Color>(4, Color{9, 9, 9})),
+                                       colored(std::vector<Color>(4, Color{9, 9, 8})), colored(per_frame)}) {
+    PerformanceDatabase database;
+    database.add(sequence);
+    looks.insert(database.appearance_hash());
+    shapes.insert(database.content_hash());
+  }
+  EXPECT_EQ(looks.size(), 7U);
+  EXPECT_EQ(shapes.size(), 1U);
+  // A clip that moves otherwise looks the same.
+  MeshSequence moved = clip("a", 2);
+  moved.frame(1).array() += 1.0F;
+  PerformanceDatabase database;
+  database.add(moved);
+  EXPECT_EQ(looks.count(database.appearance_hash()), 1U);
+}
+
 TEST(PerformanceDatabase, RefusesMarkupAndTruthThatDoNotFit) {
   PerformanceDatabase database;
   EXPECT_THAT([&] { database.set_markup(two_bones()); },

@@ -128,15 +128,15 @@ std::string to_string(const Transition& transition, const SurfaceMotionGraph& gr
                      graph.clips.at(transition.target_clip).name, transition.n);
 }
 
-SurfaceMotionGraph build_graph(const PerformanceDatabase& database, const DissimilarityMatrix& matrix,
-                               const TransitionOptions& options) {
-  SurfaceMotionGraph graph{.database_hash = database.content_hash(), .metric = matrix.metric()};
+SurfaceMotionGraph build_graph(const PerformanceDatabase& database, std::string metric,
+                               std::vector<Transition> transitions, const TransitionOptions& options) {
+  SurfaceMotionGraph graph{.database_hash = database.content_hash(), .metric = std::move(metric)};
   for (const MeshSequence& clip : database.clips()) {
     graph.clips.push_back({.name = clip.name(),
                            .frame_count = static_cast<int>(clip.frame_count()),
                            .frames_per_second = clip.frames_per_second()});
   }
-  graph.transitions = find_transitions(database, matrix, options);
+  graph.transitions = std::move(transitions);
   graph.options = options;
   return graph;
 }

@@ -50,8 +50,9 @@ RemovedEdge parse_edge(const std::string& text, const SurfaceMotionGraph& graph)
 // "walk:12->run:30".
 std::string to_string(const Transition& transition, const SurfaceMotionGraph& graph);
 
-SurfaceMotionGraph build_graph(const PerformanceDatabase& database, const DissimilarityMatrix& matrix,
-                               const TransitionOptions& options = {});
+// The graph of transitions that were found with these options in a matrix of `metric`.
+SurfaceMotionGraph build_graph(const PerformanceDatabase& database, std::string metric,
+                               std::vector<Transition> transitions, const TransitionOptions& options = {});
 
 // Readable JSON (docs/surface-motion-graph.md), written whole or not at all. `load_graph` throws `FileError`
 // for text that is not JSON (line and column), a missing or ill-typed field (names it), a later format

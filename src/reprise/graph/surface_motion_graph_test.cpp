@@ -33,7 +33,8 @@ PerformanceDatabase walks() {
 }
 
 SurfaceMotionGraph graph_of(const PerformanceDatabase& database) {
-  return build_graph(database, vertex_dissimilarity(database));
+  const DissimilarityMatrix matrix = vertex_dissimilarity(database);
+  return build_graph(database, matrix.metric(), find_transitions(database, matrix));
 }
 
 std::string argument_error(const std::function<void()>& call) {

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -67,14 +68,31 @@ struct TransitionOptions {
 // Throws `InvalidArgument` naming the option that is out of range.
 void validate(const TransitionOptions& options);
 
-// Transitions of all ordered pairs of clips, a clip with itself included, best first within a pair.
-// Candidates are local minima of the matrix over admissible (m, n): both windows of at least
-// `min_half_window` inside their clips; the slope towards m = n of a clip with itself is no minimum. Does not
-// change when a clip is moved rigidly on the ground. Parallel; deterministic. Throws `InvalidArgument` if the
-// matrix is not of this database (clips or frame counts differ), an option is out of range, or the clips have
-// several rates.
+// Makes an entry of the matrix exact: the exact entry of frames a < b. Called from several threads, for
+// different pairs at the same time.
+using ExactEntry = std::function<MatrixEntry(std::size_t a, std::size_t b)>;
+
+// Transitions of all ordered pairs of clips, a clip with itself included, best first within a pair: of the
+// local minima of the matrix over admissible (m, n) - both windows of at least `min_half_window` inside their
+// clips; the slope towards m = n of a clip with itself is no minimum - those of least cost, `separation`
+// apart. Does not change when a clip is moved rigidly on the ground. Parallel; deterministic. Throws
+// `InvalidArgument` if the matrix is not of this database (clips or frame counts differ), an option is out of
+// range, the clips have several rates, or bounds in the matrix leave the result undecided.
 std::vector<Transition> find_transitions(const PerformanceDatabase& database,
                                          const DissimilarityMatrix& matrix,
                                          const TransitionOptions& options = {});
+
+// Which pairs of clips are searched, asked with clip_a <= clip_b; both directions belong to a pair.
+using ClipPairFilter = std::function<bool(std::size_t clip_a, std::size_t clip_b)>;
+
+// The same list as from a matrix that is exact throughout, though only bounds may be known: entries on which
+// the list depends are made exact and kept in `matrix`, the others stay as they are. Which entries those are
+// depends on `matrix` and the answers alone, not on the number of threads, and none is asked for that is
+// exact: the same search of the matrix it leaves asks for nothing. `share`: the pairs of clips to search,
+// empty for all; only their entries are looked at, only their transitions returned. Also throws
+// `InvalidArgument` if an answer is not exact or contradicts the bounds, and what `exact_entry` throws.
+std::vector<Transition> find_transitions(const PerformanceDatabase& database, DissimilarityMatrix& matrix,
+                                         const ExactEntry& exact_entry, const TransitionOptions& options = {},
+                                         const ClipPairFilter& share = {});
 
 }  // namespace reprise

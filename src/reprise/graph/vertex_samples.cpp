@@ -69,7 +69,6 @@ std::vector<std::int32_t> sample_vertices(const Topology& topology, int count) {
     samples.push_back(farthest);
     spread(neighbors, farthest, steps);
   }
-  std::ranges::sort(samples);
   return samples;
 }
 

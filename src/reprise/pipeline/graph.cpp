@@ -12,10 +12,11 @@
 
 namespace reprise {
 
-SurfaceMotionGraph make_graph(const PerformanceDatabase& database, const DissimilarityMatrix& matrix,
+SurfaceMotionGraph make_graph(const PerformanceDatabase& database, const SimilarityResult& similarity,
                               const GraphOptions& options,
                               const std::optional<SurfaceMotionGraph>& previous) {
-  SurfaceMotionGraph graph = build_graph(database, matrix, options.transitions);
+  SurfaceMotionGraph graph = build_graph(database, similarity.matrix.metric(), similarity.transitions,
+                                         similarity.transition_options);
   if (previous) {
     const auto exists = [&](const std::string& clip) {
       return std::ranges::count(graph.clips, clip, &GraphClip::name) > 0;

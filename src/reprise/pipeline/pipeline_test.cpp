@@ -150,53 +150,26 @@ TEST(Validate, WarnsOfOpenSurfacesAndJumps) {
   EXPECT_EQ(report.findings[1].where, "sheet:2");
 }
 
-// Similarity
-
-TEST(SimilarityStage, KeepsTheMatrixAndNeverUsesAStaleOne) {
-  const test::TemporaryFolder folder;
-  PerformanceDatabase database = walking_database();
-  EXPECT_FALSE(compute_similarity(database, folder / "db.reprise").from_cache);
-  const SimilarityResult again = compute_similarity(database, folder / "db.reprise");
-  EXPECT_TRUE(again.from_cache);
-  database.add(test::walk("third", 20));
-  const SimilarityResult larger = compute_similarity(database, folder / "db.reprise");
-  EXPECT_FALSE(larger.from_cache);
-  EXPECT_EQ(larger.matrix.frame_count(), 150U);
-  EXPECT_EQ(larger.matrix.value(3, 90), again.matrix.value(3, 90));
-}
-
-TEST(SimilarityStage, DamagedCacheIsComputedAnew) {
-  const test::TemporaryFolder folder;
-  const PerformanceDatabase database = walking_database();
-  const float value = compute_similarity(database, folder / "db.reprise").matrix.value(3, 90);
-  for (const auto& entry : std::filesystem::directory_iterator(folder / "db.reprise.cache")) {
-    std::filesystem::resize_file(entry.path(), 64);
-  }
-  const SimilarityResult result = compute_similarity(database, folder / "db.reprise");
-  EXPECT_FALSE(result.from_cache);
-  EXPECT_EQ(result.matrix.value(3, 90), value);
-}
-
 // Graph, key-frames
 
 class WholeWay : public ::testing::Test {
  protected:
   test::TemporaryFolder folder_;
   PerformanceDatabase database_ = walking_database();
-  DissimilarityMatrix matrix_ = compute_similarity(database_, folder_ / "db", {.use_cache = false}).matrix;
-  SurfaceMotionGraph graph_ = make_graph(database_, matrix_, {}, std::nullopt);
+  SimilarityResult similarity_ = compute_similarity(database_, folder_ / "db", {.use_cache = false});
+  SurfaceMotionGraph graph_ = make_graph(database_, similarity_, {}, std::nullopt);
 };
 
 TEST_F(WholeWay, RemovalsSurviveRecomputationAndCanBeTakenBack) {
-  const SurfaceMotionGraph cut = make_graph(database_, matrix_, {.remove = {"slow->fast"}}, graph_);
+  const SurfaceMotionGraph cut = make_graph(database_, similarity_, {.remove = {"slow->fast"}}, graph_);
   EXPECT_LT(cut.active_transitions().size(), graph_.active_transitions().size());
-  const SurfaceMotionGraph again = make_graph(database_, matrix_, {}, cut);
+  const SurfaceMotionGraph again = make_graph(database_, similarity_, {}, cut);
   EXPECT_EQ(again.removed, cut.removed);
-  const SurfaceMotionGraph restored = make_graph(database_, matrix_, {.restore = {"slow->fast"}}, again);
+  const SurfaceMotionGraph restored = make_graph(database_, similarity_, {.restore = {"slow->fast"}}, again);
   EXPECT_EQ(restored.active_transitions().size(), graph_.active_transitions().size());
-  EXPECT_THAT([&] { make_graph(database_, matrix_, {.restore = {"fast->slow"}}, graph_); },
+  EXPECT_THAT([&] { make_graph(database_, similarity_, {.restore = {"fast->slow"}}, graph_); },
               ThrowsMessage<InvalidArgument>(HasSubstr("was not removed")));
-  EXPECT_THAT([&] { make_graph(database_, matrix_, {.remove = {"slwo->fast"}}, graph_); },
+  EXPECT_THAT([&] { make_graph(database_, similarity_, {.remove = {"slwo->fast"}}, graph_); },
               ThrowsMessage<InvalidArgument>(HasSubstr("'slow'")));
 }
 
@@ -222,7 +195,7 @@ TEST_F(WholeWay, QueryBecomesTheAnimationTheReportDescribes) {
 }
 
 TEST_F(WholeWay, UnreachableKeyframeIsAnOutcomeWithAReason) {
-  const SurfaceMotionGraph cut = make_graph(database_, matrix_, {.remove = {"slow->fast"}}, std::nullopt);
+  const SurfaceMotionGraph cut = make_graph(database_, similarity_, {.remove = {"slow->fast"}}, std::nullopt);
   const auto result =
       run_keyframes(database_, cut, {.keyframes = {"slow:3", "fast:50"}, .distance = 1, .time = 1});
   ASSERT_FALSE(result.has_value());

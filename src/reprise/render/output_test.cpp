@@ -215,6 +215,104 @@ TEST(PlotMatrix, RefusesTransitionsOutsideAndLeavesNothing) {
   EXPECT_EQ(entries(folder.path()), 0U);
 }
 
+TEST(PlotMatrices, EveryPanelHasItsOwnScaleAndMarks) {
+  const TemporaryFolder folder;
+  const DissimilarityMatrix matrix = striped(60, 40);
+  DissimilarityMatrix halved = matrix;
+  for (std::size_t a = 0; a < 100; ++a) {
+    for (std::size_t b = a + 1; b < 100; ++b) halved.set(a, b, 0.5F * matrix.value(a, b), 0.0F);
+  }
+  const std::vector<Transition> transitions = {{.source_clip = 0, .target_clip = 1, .m = 30, .n = 20}};
+  const std::vector<MatrixPanel> one = {{.matrix = &matrix, .title = "a"}};
+  const std::vector<MatrixPanel> two = {{.matrix = &matrix, .title = "a"}, {.matrix = &halved, .title = "b"}};
+  const std::vector<MatrixPanel> marked = {{.matrix = &matrix, .title = "a"},
+                                           {.matrix = &halved, .transitions = &transitions, .title = "b"}};
+  plot_matrices(one, 4, folder / "one.png");
+  plot_matrices(two, 2, folder / "two.png");
+  plot_matrices(marked, 2, folder / "marked.png");
+  const Image single = read_image(folder / "one.png");
+  const Image pair = read_image(folder / "two.png");
+  const Image with_marks = read_image(folder / "marked.png");
+  EXPECT_GT(pair.width, single.width);
+  EXPECT_EQ(pair.height, single.height);
+  const Color largest = {0xfd, 0xe7, 0x25};
+  EXPECT_NEAR(static_cast<double>(count_near(pair, largest)),
+              2.0 * static_cast<double>(count_near(single, largest)),
+              0.02 * static_cast<double>(count_near(pair, largest)))
+      << "half the values on half the scale look the same";
+  // Marks change the second panel alone.
+  ASSERT_EQ(with_marks.rgb.size(), pair.rgb.size());
+  std::array<std::size_t, 2> changed = {0, 0};
+  const auto width = static_cast<std::size_t>(pair.width);
+  for (std::size_t i = 0; i < pair.rgb.size(); i += 3) {
+    const bool same = std::equal(&pair.rgb[i], &pair.rgb[i] + 3, &with_marks.rgb[i]);
+    changed[2 * (i / 3 % width) > width ? 1 : 0] += same ? 0 : 1;
+  }
+  EXPECT_EQ(changed[0], 0U);
+  EXPECT_GT(changed[1], 20U);
+}
+
+TEST(PlotMatrices, RefusesNothingAndOtherClips) {
+  const TemporaryFolder folder;
+  const DissimilarityMatrix matrix = striped(6, 4);
+  const DissimilarityMatrix other = striped(4, 6);
+  const std::vector<MatrixPanel> differ = {{.matrix = &matrix, .title = "a"},
+                                           {.matrix = &other, .title = "b"}};
+  const std::vector<MatrixPanel> null = {{.title = "a"}};
+  EXPECT_THROW(plot_matrices({}, 2, folder / "a.png"), InvalidArgument);
+  EXPECT_THROW(plot_matrices(differ, 2, folder / "a.png"), InvalidArgument);
+  EXPECT_THROW(plot_matrices(null, 2, folder / "a.png"), InvalidArgument);
+  EXPECT_THROW(plot_matrices({differ.data(), 1}, 0, folder / "a.png"), InvalidArgument);
+  EXPECT_EQ(entries(folder.path()), 0U);
+}
+
+TEST(PlotCurves, DrawsEveryCurveInItsColor) {
+  const TemporaryFolder folder;
+  const Curve high = {.name = "it's `high`", .points = {{0.0, 0.9}, {1.0, 0.9}}};
+  const Curve low = {.name = "low_1", .points = {{0.0, 0.1}, {1.0, 0.1}}};
+  const std::vector<CurvePanel> both = {{.title = "a", .curves = {high, low}},
+                                        {.title = "b", .curves = {low}}};
+  const std::vector<CurvePanel> first = {{.title = "a", .curves = {high}}, {.title = "b"}};
+  plot_curves(both, folder / "both.png");
+  plot_curves(first, folder / "first.png");
+  const Color first_color = {0xd5, 0x5e, 0x00};
+  const Color second_color = {0x00, 0x72, 0xb2};
+  const Image drawn = read_image(folder / "both.png");
+  EXPECT_GT(count_near(drawn, first_color), 400U);
+  EXPECT_GT(count_near(drawn, second_color), 800U) << "in both panels";
+  EXPECT_EQ(count_near(read_image(folder / "first.png"), second_color), 0U);
+  EXPECT_THROW(plot_curves({}, folder / "none.png"), InvalidArgument);
+}
+
+TEST(DrawSheet, ShowsEveryPicturePixelForPixel) {
+  const TemporaryFolder folder;
+  const std::vector<CaptionedPicture> pictures = {{.image = gradient(120, 60), .lines = {"a", "it's"}},
+                                                  {.image = gradient(120, 60, 40), .lines = {"b"}},
+                                                  {.image = gradient(120, 60, 80), .lines = {}}};
+  draw_sheet(pictures, 2, "three `pictures`", folder / "sheet.png");
+  const Image sheet = read_image(folder / "sheet.png");
+  const auto shows = [&](const Image& picture) {
+    const auto stride = 3 * static_cast<std::size_t>(sheet.width);
+    for (std::size_t top = 0; top + 60 <= static_cast<std::size_t>(sheet.height); ++top) {
+      for (std::size_t left = 0; left + 120 <= static_cast<std::size_t>(sheet.width); ++left) {
+        bool same = true;
+        for (std::size_t row = 0; same && row < 60; ++row) {
+          const auto* begin = sheet.rgb.data() + (top + row) * stride + 3 * left;
+          same = std::equal(begin, begin + 360, picture.rgb.data() + 360 * row);
+        }
+        if (same) return true;
+      }
+    }
+    return false;
+  };
+  for (const CaptionedPicture& picture : pictures) EXPECT_TRUE(shows(picture.image));
+  EXPECT_FALSE(shows(gradient(120, 60, 20)));
+  EXPECT_THROW(draw_sheet({}, 2, "", folder / "none.png"), InvalidArgument);
+  EXPECT_THROW(draw_sheet({{.image = gradient(4, 4)}, {.image = gradient(4, 5)}}, 2, "", folder / "none.png"),
+               InvalidArgument);
+  EXPECT_FALSE(fs::exists(folder / "none.png"));
+}
+
 SurfaceMotionGraph complete_graph(std::size_t clip_count) {
   SurfaceMotionGraph graph;
   for (std::size_t c = 0; c < clip_count; ++c) {

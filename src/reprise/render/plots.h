@@ -1,22 +1,62 @@
 // SPDX-FileCopyrightText: 2026 The Reprise authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Pictures of matrices and graphs, drawn by gnuplot and Graphviz.
+// Pictures of matrices, curves and graphs, drawn by gnuplot and Graphviz.
 
 #pragma once
 
+#include <array>
 #include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "reprise/graph/surface_motion_graph.h"
+#include "reprise/mesh/image.h"
 
 namespace reprise {
 
+// All plots that gnuplot draws throw `Error` if it is not installed, `FileError` if it fails (with what it
+// said), and leave nothing half-written.
+
 // Heat map of a matrix as PNG: axes in frames, clip names and borders on both, a colour bar in metres;
 // `transitions` (may be empty) are marked at (m, n). Row = source frame from the top, column = target frame.
-// Beyond 1040 frames a pixel shows the smallest value of its frames, so that thin valleys survive. Throws
-// `Error` if gnuplot is not installed, `FileError` if it fails (with what it said).
+// Beyond 1040 frames a pixel shows the smallest value of its frames, so that thin valleys survive.
 void plot_matrix(const DissimilarityMatrix& matrix, const std::vector<Transition>& transitions,
                  const std::filesystem::path& png);
+
+struct MatrixPanel {
+  const DissimilarityMatrix* matrix = nullptr;           // not null
+  const std::vector<Transition>* transitions = nullptr;  // marked at (m, n); null: none
+  std::string title;
+};
+// Several matrices of one database in rows of `columns`, each with a colour bar of its own (HSSMG Figure 4).
+// Names of clips stand at the left and below. Throws `InvalidArgument` if there is no panel or their clips
+// differ.
+void plot_matrices(std::span<const MatrixPanel> panels, int columns, const std::filesystem::path& png);
+
+struct Curve {
+  std::string name;
+  std::vector<std::array<double, 2>> points;  // (x, y), both 0 .. 1; none: only the name is shown
+};
+struct CurvePanel {
+  std::string title;
+  std::string x_label;
+  std::string y_label;
+  std::vector<Curve> curves;
+};
+// Curves over the unit square, panels side by side, one key. A name has one colour in all of them. Throws
+// `InvalidArgument` if there is no panel.
+void plot_curves(std::span<const CurvePanel> panels, const std::filesystem::path& png);
+
+struct CaptionedPicture {
+  Image image;
+  std::vector<std::string> lines;  // below it
+};
+// Pictures in rows of `columns`, pixel for pixel, each with its caption. All images must have one size, else
+// `InvalidArgument`.
+void draw_sheet(const std::vector<CaptionedPicture>& pictures, int columns, const std::string& title,
+                const std::filesystem::path& png);
 
 // The graph as SVG: a node per clip with its frames, an edge per ordered pair with its transitions (m -> n,
 // L, cost); removed edges are drawn dashed and grey. Beyond 20 edges the labels are left to tooltips, and

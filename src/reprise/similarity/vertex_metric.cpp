@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -50,19 +51,13 @@ FrameSums frame_sums(const PositionsView& positions, double height) {
   return sums;
 }
 
-PositionsView frame_of(const PerformanceDatabase& database, std::size_t frame_idx) {
-  std::size_t clip = database.clips().size() - 1;
-  while (database.first_frame(clip) > frame_idx) --clip;
-  return database.clip(clip).frame(frame_idx - database.first_frame(clip));
-}
-
 // The frames of one tile about their origins, block after block of vertices.
 class Tile {
  public:
-  Tile(const PerformanceDatabase& database, const std::vector<FrameSums>& sums, std::size_t tile_idx)
-      : first_(tile_idx * tile_frames), sums_(&sums) {
-    const std::size_t end = std::min(first_ + tile_frames, sums.size());
-    for (std::size_t f = first_; f < end; ++f) frames_.push_back(frame_of(database, f));
+  Tile(std::span<const PositionsView> frames, const std::vector<FrameSums>& sums, std::size_t tile_idx)
+      : first_(tile_idx * tile_frames),
+        sums_(&sums),
+        frames_(frames.subspan(first_, std::min(tile_frames, frames.size() - first_))) {
     zx_.resize(size(), 2 * block_vertices);
     y_.resize(size(), block_vertices);
   }
@@ -91,21 +86,21 @@ class Tile {
  private:
   std::size_t first_;
   const std::vector<FrameSums>* sums_;
-  std::vector<PositionsView> frames_;
+  std::span<const PositionsView> frames_;
   Table zx_;  // frames x (z of the block, then x of the block)
   Table y_;
 };
 
 // Dissimilarities of all pairs a < b of two tiles.
-void compare_tiles(const PerformanceDatabase& database, const std::vector<FrameSums>& sums,
+void compare_tiles(std::span<const PositionsView> frames, const std::vector<FrameSums>& sums,
                    std::size_t tile_a, std::size_t tile_b, DissimilarityMatrix& matrix) {
-  Tile A(database, sums, tile_a);
-  Tile B(database, sums, tile_b);
+  Tile A(frames, sums, tile_a);
+  Tile B(frames, sums, tile_b);
   // H(a, b) = sum_v conj(b_v) a_v with z + i x about the centroid, and Y(a, b) = sum_v y_a y_b.
   Table H_real = Table::Zero(A.size(), B.size());
   Table H_imag = Table::Zero(A.size(), B.size());
   Table Y = Table::Zero(A.size(), B.size());
-  const Eigen::Index vertex_count = database.topology()->vertex_count;
+  const Eigen::Index vertex_count = frames.front().rows();
   for (Eigen::Index first = 0; first < vertex_count; first += block_vertices) {
     const Eigen::Index count = std::min(block_vertices, vertex_count - first);
     A.load(first, count);
@@ -124,7 +119,7 @@ void compare_tiles(const PerformanceDatabase& database, const std::vector<FrameS
       const double whole = sums[a].horizontal + sums[b].horizontal + sums[a].vertical + sums[b].vertical;
       const double rest = whole - 2.0 * std::hypot(H_real(i, j), H_imag(i, j)) - 2.0 * Y(i, j);
       if (rest < cancellation_share * whole) {
-        const GroundAlignment alignment = align_on_ground(frame_of(database, a), frame_of(database, b));
+        const GroundAlignment alignment = align_on_ground(frames[a], frames[b]);
         matrix.set(a, b, static_cast<float>(alignment.rms_distance),
                    static_cast<float>(alignment.a_from_b.yaw));
       } else {
@@ -168,16 +163,23 @@ GroundAlignment align_on_ground(const PositionsView& a, const PositionsView& b) 
   return alignment;
 }
 
-DissimilarityMatrix vertex_dissimilarity(const PerformanceDatabase& database) {
-  std::vector<std::size_t> frame_counts;
-  for (const MeshSequence& clip : database.clips()) frame_counts.push_back(clip.frame_count());
-  DissimilarityMatrix matrix("vertex", database.content_hash(), database.clip_names(),
-                             std::move(frame_counts));
-  if (database.empty() || database.topology()->vertex_count == 0) return matrix;
+void set_aligned_distances(std::span<const PositionsView> frames, DissimilarityMatrix& matrix) {
+  if (frames.size() != matrix.frame_count()) {
+    throw InvalidArgument(fmt::format("{} frames of points for a matrix of {}: expected equal numbers",
+                                      frames.size(), matrix.frame_count()));
+  }
+  if (frames.empty()) return;
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    if (frames[f].rows() != frames[0].rows()) {
+      throw InvalidArgument(fmt::format("frame {} has {} points and frame 0 has {}: expected equal numbers",
+                                        f, frames[f].rows(), frames[0].rows()));
+    }
+  }
+  if (frames[0].rows() == 0) throw InvalidArgument("frames without points cannot be compared");
 
-  std::vector<FrameSums> sums(database.frame_count());
-  const double height = centroid(database.clip(0).frame(0)).y();
-  parallel_for(0, sums.size(), [&](std::size_t f) { sums[f] = frame_sums(frame_of(database, f), height); });
+  std::vector<FrameSums> sums(frames.size());
+  const double height = centroid(frames[0]).y();
+  parallel_for(0, sums.size(), [&](std::size_t f) { sums[f] = frame_sums(frames[f], height); });
 
   struct TilePair {
     std::size_t a;
@@ -190,9 +192,18 @@ DissimilarityMatrix vertex_dissimilarity(const PerformanceDatabase& database) {
   }
   Progress progress("comparing frames", pairs.size());
   parallel_for(0, pairs.size(), [&](std::size_t p) {
-    compare_tiles(database, sums, pairs[p].a, pairs[p].b, matrix);
+    compare_tiles(frames, sums, pairs[p].a, pairs[p].b, matrix);
     progress.advance();
   });
+}
+
+DissimilarityMatrix vertex_dissimilarity(const PerformanceDatabase& database) {
+  DissimilarityMatrix matrix("vertex", database);
+  std::vector<PositionsView> frames;
+  for (const MeshSequence& clip : database.clips()) {
+    for (std::size_t f = 0; f < clip.frame_count(); ++f) frames.push_back(clip.frame(f));
+  }
+  set_aligned_distances(frames, matrix);
   return matrix;
 }
 

@@ -5,6 +5,8 @@
 
 #pragma once
 
+#include <span>
+
 #include "reprise/math/ground_transform.h"
 #include "reprise/similarity/dissimilarity_matrix.h"
 
@@ -21,10 +23,15 @@ struct GroundAlignment {
 // conj(b_v) a_v. Shapes N x 3, equal N > 0; throws `InvalidArgument` otherwise.
 GroundAlignment align_on_ground(const PositionsView& a, const PositionsView& b);
 
-// All pairs of frames, exact to float32 rounding of the result: sums are kept in float64 and taken as matrix
-// products over blocks of vertices and tiles of frames, so memory beside the database and the result is a few
-// megabytes a thread. The key of the matrix is `database.content_hash()`. Parallel, with progress; the same
-// bits for any number of threads.
+// Sets every entry of the matrix to the distance of two frames of corresponding points after alignment on the
+// ground, exact to float32 rounding of the result: sums are kept in float64 and taken as matrix products over
+// blocks of points and tiles of frames, so memory beside the frames and the matrix is a few megabytes a
+// thread. Parallel, with progress; the same bits for any number of threads. Throws `InvalidArgument` unless
+// there are as many frames as the matrix has, with equal numbers of at least one point.
+void set_aligned_distances(std::span<const PositionsView> frames, DissimilarityMatrix& matrix);
+
+// All pairs of frames by their vertices. The key of the matrix is `database.content_hash()`. Throws
+// `InvalidArgument` for a surface without vertices.
 DissimilarityMatrix vertex_dissimilarity(const PerformanceDatabase& database);
 
 }  // namespace reprise

@@ -1,27 +1,22 @@
 // SPDX-FileCopyrightText: 2026 The Reprise authors
 // SPDX-License-Identifier: Apache-2.0
 
+#include "reprise/similarity/vertex_metric.h"
+
 #include <cmath>
-#include <fstream>
-#include <limits>
 #include <numbers>
 #include <random>
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
 #include "reprise/core/error.h"
-#include "reprise/io/hdf5.h"
 #include "reprise/io/sequence_reader.h"
-#include "reprise/similarity/vertex_metric.h"
 #include "support/shapes.h"
 #include "support/test_data.h"
 
 namespace reprise {
 namespace {
-
-using ::testing::HasSubstr;
 
 // A clip of unrelated random shapes far from symmetric.
 MeshSequence noise(const std::string& name, std::size_t frame_count, unsigned seed) {
@@ -243,112 +238,6 @@ TEST(VertexDissimilarity, OfACapturedClipMovedOnTheGroundIsZeroToStoragePrecisio
     EXPECT_NEAR(matrix.value(f, jumping + f / 2), direct.rms_distance, 1e-6);
     EXPECT_NEAR(wrap_angle(matrix.yaw(f, jumping + f / 2) - direct.a_from_b.yaw), 0.0, 1e-6);
   }
-}
-
-class DissimilarityFile : public ::testing::Test {
- protected:
-  // Message of the error that loading gives, or an empty text.
-  std::string load_error() const {
-    try {
-      DissimilarityMatrix::load(path_);
-    } catch (const FileError& error) {
-      return error.what();
-    }
-    return "";
-  }
-
-  test::TemporaryFolder folder_;
-  std::filesystem::path path_ = folder_ / "matrix.h5";
-};
-
-TEST_F(DissimilarityFile, GivesBackWhatWasSaved) {
-  const DissimilarityMatrix saved = vertex_dissimilarity(database_of({noise("a", 5, 8), test::walk("b", 6)}));
-  saved.save(path_);
-  const DissimilarityMatrix loaded = DissimilarityMatrix::load(path_);
-  EXPECT_EQ(loaded.metric(), saved.metric());
-  EXPECT_EQ(loaded.key(), saved.key());
-  EXPECT_EQ(loaded.clip_names(), saved.clip_names());
-  EXPECT_EQ(loaded.clip_frame_counts(), saved.clip_frame_counts());
-  ASSERT_EQ(loaded.frame_count(), saved.frame_count());
-  for (std::size_t a = 0; a < saved.frame_count(); ++a) {
-    for (std::size_t b = 0; b < saved.frame_count(); ++b) {
-      EXPECT_EQ(loaded.value(a, b), saved.value(a, b));
-      EXPECT_EQ(loaded.yaw(a, b), saved.yaw(a, b));
-    }
-  }
-}
-
-TEST_F(DissimilarityFile, HoldsMatricesWithoutPairs) {
-  DissimilarityMatrix("vertex", "k", {}, {}).save(path_);
-  EXPECT_EQ(DissimilarityMatrix::load(path_).frame_count(), 0U);
-  DissimilarityMatrix("vertex", "k", {"a"}, {1}).save(path_);
-  EXPECT_EQ(DissimilarityMatrix::load(path_).frame_count(), 1U);
-}
-
-TEST_F(DissimilarityFile, SaysWhatIsWrongWithIt) {
-  // Missing.
-  EXPECT_THAT(load_error(), HasSubstr("matrix.h5"));
-  // Not HDF5.
-  std::ofstream(path_) << "hello";
-  EXPECT_THAT(load_error(), HasSubstr("matrix.h5"));
-  // HDF5 of somebody else.
-  Hdf5File::create(path_).finish();
-  EXPECT_THAT(load_error(), HasSubstr("not a dissimilarity matrix"));
-  // Of a later version.
-  const DissimilarityMatrix good = vertex_dissimilarity(database_of({test::walk("b", 6)}));
-  {
-    Hdf5File file = Hdf5File::create(path_);
-    file.write_text("signature", "reprise dissimilarity matrix");
-    file.write_integer("version", 99);
-    file.finish();
-  }
-  EXPECT_THAT(load_error(), HasSubstr("version 99, expected 1"));
-  // Arrays that are not of the size the clips ask for, and values that no metric gives.
-  const auto write = [&](std::uint64_t frames, const std::vector<float>& values,
-                         const std::vector<float>& yaws) {
-    Hdf5File file = Hdf5File::create(path_);
-    file.write_text("signature", "reprise dissimilarity matrix");
-    file.write_integer("version", 1);
-    file.write_text("metric", "vertex");
-    file.write_text("key", "k");
-    file.write_integer("clip_count", 1);
-    file.write_text_dataset("clip_names", std::vector<std::string>{"a"});
-    file.write<std::uint64_t>("clip_frame_counts", {1}, std::vector<std::uint64_t>{frames});
-    file.write<float>("values", {values.size()}, values);
-    file.write<float>("yaws", {yaws.size()}, yaws);
-    file.finish();
-  };
-  write(3, {1, 2, 3}, {0, 0, 0});
-  EXPECT_EQ(load_error(), "");
-  write(4, {1, 2, 3}, {0, 0, 0});
-  EXPECT_THAT(load_error(), HasSubstr("values"));
-  write(3, {1, 2, 3}, {0, 0});
-  EXPECT_THAT(load_error(), HasSubstr("yaws"));
-  write(std::numeric_limits<std::uint64_t>::max(), {1, 2, 3}, {0, 0, 0});
-  EXPECT_THAT(load_error(), HasSubstr("clip_frame_counts"));
-  write(3, {1, -2, 3}, {0, 0, 0});
-  EXPECT_THAT(load_error(), HasSubstr("entry 1"));
-  write(3, {1, 2, std::numeric_limits<float>::quiet_NaN()}, {0, 0, 0});
-  EXPECT_THAT(load_error(), HasSubstr("entry 2"));
-  write(3, {1, 2, 3}, {0, 0, 9});
-  EXPECT_THAT(load_error(), HasSubstr("expected an angle"));
-  // Truncated anywhere.
-  good.save(path_);
-  const auto size = std::filesystem::file_size(path_);
-  for (std::uintmax_t left = size - 1; left > 0; left -= std::min<std::uintmax_t>(left, 97)) {
-    std::filesystem::resize_file(path_, left);
-    EXPECT_THAT(load_error(), HasSubstr("matrix.h5"));
-  }
-}
-
-TEST_F(DissimilarityFile, IsNotWrittenIntoAMissingFolder) {
-  const DissimilarityMatrix matrix = vertex_dissimilarity(database_of({test::walk("b", 6)}));
-  EXPECT_THROW(matrix.save(folder_ / "missing" / "matrix.h5"), FileError);
-  EXPECT_FALSE(std::filesystem::exists(folder_ / "missing"));
-}
-
-TEST(DissimilarityMatrixTest, RefusesNamesWithoutFrameCounts) {
-  EXPECT_THROW(DissimilarityMatrix("vertex", "k", {"a", "b"}, {1}), InvalidArgument);
 }
 
 }  // namespace
