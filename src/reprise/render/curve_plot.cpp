@@ -16,7 +16,7 @@ constexpr double side = 430.0;  // of a panel, pixels
 constexpr double left = 80.0;
 constexpr double top = 50.0;
 constexpr double step = side + 90.0;
-constexpr double key_width = 190.0;
+constexpr double key_width = 105.0;  // beyond the gap after the last panel
 
 // Told apart by people who see no red or no green as well (Okabe and Ito).
 constexpr std::array colors = {"#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#404040"};

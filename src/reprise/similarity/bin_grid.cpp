@@ -35,18 +35,14 @@ Eigen::Vector3d cell_centroid(double r0, double r1, double theta0, double theta1
 
 // Squares of distances between all points, `scale` units a metre.
 template <typename Points>
-std::vector<double> square_table(const Points& points, double scale) {
-  std::vector<double> table(points.size() * points.size());
+std::vector<float> square_table(const Points& points, double scale) {
+  std::vector<float> table(points.size() * points.size());
   for (std::size_t a = 0; a < points.size(); ++a) {
     for (std::size_t b = 0; b < points.size(); ++b) {
-      table[a * points.size() + b] = (scale * (points[a] - points[b])).squaredNorm();
+      table[a * points.size() + b] = static_cast<float>((scale * (points[a] - points[b])).squaredNorm());
     }
   }
   return table;
-}
-
-std::int32_t rounded_up(double square) {
-  return static_cast<std::int32_t>(std::ceil(std::sqrt(square)));
 }
 
 }  // namespace
@@ -134,6 +130,10 @@ BinGrid::BinGrid(const HistogramOptions& options, double max_radius, std::vector
   }
   cell_table_ = square_table(cell_points_, 1.0 / distance_unit);
   color_table_ = square_table(colors, 1.0 / distance_unit);
+  // Four roundings of half a unit in the last place of 24 bits, on each of the three sides of a triangle.
+  const float longest =
+      std::sqrt(*std::ranges::max_element(cell_table_) + *std::ranges::max_element(color_table_));
+  slack_ = std::ceil(longest * 6.0F / (1 << 24)) + 2.0F;
 }
 
 std::int32_t BinGrid::distance(BinId a, BinId b) const {
@@ -141,23 +141,28 @@ std::int32_t BinGrid::distance(BinId a, BinId b) const {
       static_cast<std::size_t>(cell_of(a)) * cell_points_.size() + static_cast<std::size_t>(cell_of(b));
   const auto color =
       static_cast<std::size_t>(color_of(a)) * palette_.size() + static_cast<std::size_t>(color_of(b));
-  return rounded_up(cell_table_[cell] + color_table_[color]);
+  const float root = std::sqrt(cell_table_[cell] + color_table_[color]);
+  return root == 0.0F ? 0 : static_cast<std::int32_t>(root + slack_);
 }
 
 void BinGrid::distances(BinId from, std::span<const Place> others, std::int32_t* out) const {
-  const double* cells = cell_table_.data() + static_cast<std::size_t>(cell_of(from)) * cell_points_.size();
-  const double* colors = color_table_.data() + static_cast<std::size_t>(color_of(from)) * palette_.size();
-  // In pieces that stay in registers: Eigen's roots are vectorised, those of <cmath> are not.
+  const float* cells = cell_table_.data() + static_cast<std::size_t>(cell_of(from)) * cell_points_.size();
+  const float* colors = color_table_.data() + static_cast<std::size_t>(color_of(from)) * palette_.size();
+  // In pieces of fixed size, which the compiler turns into vector instructions; these round roots as the
+  // scalar one does (Eigen's do not).
   constexpr std::size_t piece = 64;
-  Eigen::Array<double, piece, 1> squares;
+  std::array<float, piece> roots;
+  std::array<std::int32_t, piece> rounded;
+  const float slack = slack_;
   for (std::size_t first = 0; first < others.size(); first += piece) {
     const std::size_t count = std::min(piece, others.size() - first);
     for (std::size_t k = 0; k < count; ++k) {
-      squares[static_cast<Eigen::Index>(k)] = cells[others[first + k].cell] + colors[others[first + k].color];
+      roots[k] = cells[others[first + k].cell] + colors[others[first + k].color];
     }
-    for (std::size_t k = count; k < piece; ++k) squares[static_cast<Eigen::Index>(k)] = 0.0;
-    const Eigen::Array<std::int32_t, piece, 1> rounded = squares.sqrt().ceil().cast<std::int32_t>();
-    std::copy_n(rounded.data(), count, out + first);
+    std::fill(roots.begin() + static_cast<std::ptrdiff_t>(count), roots.end(), 0.0F);
+    for (std::size_t k = 0; k < piece; ++k) roots[k] = std::sqrt(roots[k]);
+    for (std::size_t k = 0; k < piece; ++k) rounded[k] = static_cast<std::int32_t>(roots[k] + slack);
+    for (std::size_t k = 0; k < count; ++k) out[first + k] = roots[k] == 0.0F ? 0 : rounded[k];
   }
 }
 

@@ -27,11 +27,11 @@ struct HistogramOptions {
   double meters_per_color = 0.5;  // distance of two colours that differ by 1 (black to full) in one channel
   // Colours are averaged along the surface of the first frame over about this radius, metres; 0: over about a
   // voxel. Patterns finer than a cell of space make no difference between poses, but noise.
-  double color_footprint = 0.05;
+  double color_footprint = 0.1;
   // Colour bins that hold a smaller share of the database's voxels are counted in the nearest frequent one;
   // 0: none is. Transport problems grow with the number of colours, rare ones hardly change their cost.
   double min_color_share = 0.05;
-  bool use_color = true;          // false: the paper's "shape only" metric
+  bool use_color = true;  // false: the paper's "shape only" metric
 };
 
 // Throws `InvalidArgument` naming the option that is out of range.
@@ -74,8 +74,8 @@ class BinGrid {
   // certificate of a transport problem agree to the last bit.
   static constexpr double distance_unit = 1.0 / (1 << 24);
 
-  // Euclidean distance of positions (metres) and colours (times `meters_per_color`), in units, rounded up:
-  // then the triangle inequality survives the rounding.
+  // Euclidean distance of positions (metres) and colours (times `meters_per_color`), in units; for different
+  // bins a few units (about 1 um) more, so that the triangle inequality survives the rounding.
   std::int32_t distance(BinId a, BinId b) const;
   // A bin taken apart, for loops over many.
   struct Place {
@@ -92,8 +92,9 @@ class BinGrid {
   std::vector<ColorBin> palette_;
   std::vector<Eigen::Vector3d> cell_points_;
   // Squares of distances in units: cells x cells, colours x colours.
-  std::vector<double> cell_table_;
-  std::vector<double> color_table_;
+  std::vector<float> cell_table_;
+  std::vector<float> color_table_;
+  float slack_ = 0.0F;  // units on top of every distance but zero: more than single precision errs by
 };
 
 }  // namespace reprise

@@ -80,7 +80,7 @@ TEST(BinGrid, DistanceIsThatOfPositionsAndScaledColors) {
   const BinId b = grid.bin(640, 1);
   const double color = 0.4 * std::hypot(0.3, 0.8);
   const double expected = std::hypot((grid.cell_point(17) - grid.cell_point(640)).norm(), color);
-  EXPECT_NEAR(grid.distance(a, b) * BinGrid::distance_unit, expected, BinGrid::distance_unit);
+  EXPECT_NEAR(grid.distance(a, b) * BinGrid::distance_unit, expected, 2e-6);
 }
 
 TEST(BinGrid, ManyDistancesAreThoseOneByOne) {
