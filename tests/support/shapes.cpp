@@ -97,4 +97,10 @@ MeshSequence moved(const MeshSequence& clip, const GroundTransform& transform, c
   return result;
 }
 
+PerformanceDatabase database_of(std::vector<MeshSequence> clips) {
+  PerformanceDatabase database;
+  for (MeshSequence& clip : clips) database.add(std::move(clip));
+  return database;
+}
+
 }  // namespace reprise::test

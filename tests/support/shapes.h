@@ -32,4 +32,7 @@ MeshSequence walk(const std::string& name, std::size_t frame_count, double speed
 // The same clip with every frame moved on the ground.
 MeshSequence moved(const MeshSequence& clip, const GroundTransform& transform, const std::string& name);
 
+// The clips in order.
+PerformanceDatabase database_of(std::vector<MeshSequence> clips);
+
 }  // namespace reprise::test

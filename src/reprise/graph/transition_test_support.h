@@ -17,12 +17,6 @@
 
 namespace reprise::test {
 
-inline PerformanceDatabase database_of(std::vector<MeshSequence> clips) {
-  PerformanceDatabase database;
-  for (MeshSequence& clip : clips) database.add(std::move(clip));
-  return database;
-}
-
 // A walk whose every frame is a little different, so that no two frames agree exactly.
 inline MeshSequence uneven_walk(const std::string& name, std::size_t frame_count, double period, double phase,
                                 unsigned seed) {

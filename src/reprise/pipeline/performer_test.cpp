@@ -166,7 +166,7 @@ INSTANTIATE_TEST_SUITE_P(BuiltIn, Costumes,
                          ::testing::Values(Expected{"character1", 10, 442, "stand:1", "hit:45"},
                                            Expected{"fashion1", 6, 491, "walk:15", "walk_pose:37"},
                                            Expected{"fashion2", 6, 435, "walk:15", "walk_pose:37"}),
-                         [](const auto& info) { return info.param.costume; });
+                         [](const auto& expected) { return expected.param.costume; });
 
 }  // namespace
 }  // namespace reprise

@@ -16,12 +16,6 @@
 
 namespace reprise::test {
 
-inline PerformanceDatabase database_of(std::vector<MeshSequence> clips) {
-  PerformanceDatabase database;
-  for (MeshSequence& clip : clips) database.add(std::move(clip));
-  return database;
-}
-
 // The walking body: skin above, cloth below, one hand of its own colour.
 inline MeshSequence dressed(const std::string& name, std::size_t frame_count, Color cloth,
                             double phase = 0.0) {

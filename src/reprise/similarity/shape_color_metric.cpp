@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "reprise/math/ground_transform.h"
-#include "reprise/similarity/potential_table.h"
+#include "reprise/similarity/tile_search.h"
 
 namespace reprise {
 namespace {
@@ -47,8 +47,6 @@ constexpr int reach_of_potential = 10;
 // Solves beyond one a pair, in hundredths of the pairs, spent where bounds are below this share of the value.
 constexpr std::size_t extra_solves = 25;
 constexpr double good_share = 0.9;
-// Bounds are sums of rounded numbers: more than they can be wrong by, metres.
-constexpr double rounding = 1e-12;
 
 // Mass that two histograms have in the same bins, as a share.
 double overlap(const Signature& a, const Signature& b) {
@@ -63,98 +61,6 @@ double overlap(const Signature& a, const Signature& b) {
   }
   return sum;
 }
-
-// Bounds of the pairs of one tile at all turns, made tighter by every problem that is solved.
-class TileSearch {
- public:
-  TileSearch(const ShapeColorHistograms& histograms, const FrameTile& tile)
-      : histograms_(histograms),
-        tile_(tile),
-        turns_(histograms.grid().turn_count()),
-        rows_(tile.a_last - tile.a_first),
-        columns_(tile.b_last - tile.b_first),
-        solver_(histograms.shared_grid()),
-        table_(histograms.shared_grid()),
-        lower_(rows_ * columns_ * static_cast<std::size_t>(turns_), 0.0),
-        best_(rows_ * columns_) {
-    for (std::size_t a = tile.a_first; a < tile.a_last; ++a) frames_a_.emplace_back(histograms, a);
-    for (std::size_t b = tile.b_first; b < tile.b_last; ++b) frames_b_.emplace_back(histograms, b);
-  }
-
-  struct Best {
-    double value = std::numeric_limits<double>::infinity();
-    int position = 0;
-  };
-
-  std::size_t pair(std::size_t row, std::size_t column) const { return row * columns_ + column; }
-  const Best& best(std::size_t pair) const { return best_[pair]; }
-  void set_best(std::size_t pair, double value, int position) { best_[pair] = {value, position}; }
-  const SearchStatistics& statistics() const { return statistics_; }
-  const Potential& potential() const { return solver_.potential(); }
-
-  // Lower bounds of a pair, one a position of the circle.
-  std::span<double> bounds(std::size_t pair) {
-    return std::span(lower_).subspan(pair * static_cast<std::size_t>(turns_),
-                                     static_cast<std::size_t>(turns_));
-  }
-
-  // Solves a pair at a position; the potential tightens the bounds of all pairs of the tile up to `reach`
-  // positions away. False if the search was left because the distance is above `cutoff`.
-  bool solve(std::size_t row, std::size_t column, int position, const Potential* guess, int reach,
-             double cutoff = std::numeric_limits<double>::infinity()) {
-    const int place = wrapped(position);
-    const int turn = turn_at(place);
-    histograms_.signature(tile_.a_first + row, -turn, turned_a_);
-    histograms_.signature(tile_.b_first + column, turn, turned_b_);
-    const EarthMoversDistance result = solver_.solve(turned_a_, turned_b_, guess, cutoff);
-    if (!result.exact) {
-      ++statistics_.cut_solves;
-      return false;
-    }
-    ++statistics_.exact_solves;
-    Best& best = best_[pair(row, column)];
-    const auto size_of = [&](int p) { return std::pair(std::abs(turn_at(p)), turn_at(p)); };
-    if (result.distance < best.value ||
-        (result.distance == best.value && size_of(place) < size_of(best.position))) {
-      best = {result.distance, place};
-    }
-    table_.set(solver_.potential());
-    for (int near = position - reach; near <= position + reach; ++near) tighten(wrapped(near));
-    bounds(pair(row, column))[static_cast<std::size_t>(place)] = result.distance;
-    return true;
-  }
-
-  int wrapped(int position) const { return ((position % turns_) + turns_) % turns_; }
-
- private:
-  int turn_at(int position) const { return position <= turns_ / 2 ? position : position - turns_; }
-
-  void tighten(int position) {
-    const int turn = turn_at(position);
-    means_b_.clear();
-    for (const TurnedFrame& frame : frames_b_) means_b_.push_back(table_.mean(frame, turn));
-    for (std::size_t row = 0; row < rows_; ++row) {
-      const double mean_a = table_.mean(frames_a_[row], -turn);
-      for (std::size_t column = 0; column < columns_; ++column) {
-        double& bound = bounds(pair(row, column))[static_cast<std::size_t>(position)];
-        bound = std::max(bound, mean_a - means_b_[column] - rounding);
-      }
-    }
-  }
-
-  const ShapeColorHistograms& histograms_;
-  FrameTile tile_;
-  int turns_;
-  std::size_t rows_, columns_;
-  EarthMoversSolver solver_;
-  PotentialTable table_;
-  std::vector<TurnedFrame> frames_a_, frames_b_;
-  std::vector<double> lower_;  // pairs x turns
-  std::vector<Best> best_;
-  std::vector<double> means_b_;
-  Signature turned_a_, turned_b_;
-  SearchStatistics statistics_;
-};
 
 }  // namespace
 

@@ -18,6 +18,8 @@
 namespace reprise {
 namespace {
 
+using test::database_of;
+
 // A clip of unrelated random shapes far from symmetric.
 MeshSequence noise(const std::string& name, std::size_t frame_count, unsigned seed) {
   const test::Shape shape = test::body();
@@ -30,12 +32,6 @@ MeshSequence noise(const std::string& name, std::size_t frame_count, unsigned se
     for (float& value : out.reshaped()) value += offset(random);
   }
   return clip;
-}
-
-PerformanceDatabase database_of(std::vector<MeshSequence> clips) {
-  PerformanceDatabase database;
-  for (MeshSequence& clip : clips) database.add(std::move(clip));
-  return database;
 }
 
 PositionsView view(const Positions& positions) {
