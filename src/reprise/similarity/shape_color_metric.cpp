@@ -45,8 +45,13 @@ constexpr std::array<Probe, 19> probes = {{{0, 8, false},
 // How far from a solved turn its potential is asked about others.
 constexpr int reach_of_potential = 10;
 // Solves beyond one a pair, in hundredths of the pairs, spent where bounds are below this share of the value.
-constexpr std::size_t extra_solves = 25;
-constexpr double good_share = 0.9;
+constexpr std::size_t extra_solves = 40;
+constexpr double good_share = 0.93;
+constexpr double promising_share = 0.98;  // of a value: a bound below it may lead to a better one
+
+std::size_t apart(std::size_t a, std::size_t b) {
+  return a > b ? a - b : b - a;
+}
 
 // Mass that two histograms have in the same bins, as a share.
 double overlap(const Signature& a, const Signature& b) {
@@ -187,7 +192,19 @@ SearchStatistics ShapeColorMetric::bound_tile(const FrameTile& tile, std::span<M
       }
     }
     if (least_share >= good_share) break;
-    search.solve(worst / columns, worst % columns, least_of(worst), &guess, reach);
+    // Where a neighbour is at its best, if that may help; else where least is known.
+    const auto bounds = search.bounds(worst);
+    const double promising = promising_share * search.best(worst).value;
+    int position = -1;
+    for (const std::size_t pair : pairs) {
+      const std::size_t distance =
+          apart(pair / columns, worst / columns) + apart(pair % columns, worst % columns);
+      const int place = search.best(pair).position;
+      const double bound = bounds[static_cast<std::size_t>(place)];
+      if (distance != 1 || bound > promising) continue;
+      if (position < 0 || bound < bounds[static_cast<std::size_t>(position)]) position = place;
+    }
+    search.solve(worst / columns, worst % columns, position >= 0 ? position : least_of(worst), &guess, reach);
     guess = search.potential();
   }
 
