@@ -204,7 +204,7 @@ EarthMoversDistance EarthMoversSolver::solve(const Signature& a, const Signature
   for (std::size_t i = 0; i < s.source_bins.size(); ++i) {
     s.grid->distances(s.source_bins[i], s.sink_places, s.simplex.cost_row(i));
   }
-  s.start_from(guess != nullptr ? *guess : Potential{});
+  if (guess != nullptr) s.start_from(*guess);
   s.potential = {};  // only now: the guess may be our own last one
   const double most = cutoff / BinGrid::distance_unit * static_cast<double>(unit.total);
   const bool finished = s.simplex.solve(most < 1e36 ? static_cast<Int128>(most) : no_cutoff);

@@ -22,8 +22,6 @@ class TransportSimplex {
   // Makes room for a problem; everything is to be filled in afterwards.
   void resize(std::size_t source_count, std::size_t sink_count);
 
-  std::size_t source_count() const { return source_count_; }
-  std::size_t sink_count() const { return sink_count_; }
   // Positive masses; both sums must be the same.
   std::int64_t* supplies() { return masses_.data(); }
   std::int64_t* demands() { return masses_.data() + source_count_; }
