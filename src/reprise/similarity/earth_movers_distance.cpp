@@ -58,6 +58,26 @@ void for_each_difference(const Signature& a, const Signature& b, const CommonUni
 
 }  // namespace
 
+void PotentialFunction::set(const Potential& potential) {
+  anchors_.clear();
+  values_.clear();
+  for (const std::int32_t k : potential.anchors) {
+    anchors_.push_back(grid_->place(potential.bins[static_cast<std::size_t>(k)]));
+    values_.push_back(potential.values[static_cast<std::size_t>(k)]);
+  }
+  distances_.resize(anchors_.size());
+}
+
+std::int64_t PotentialFunction::operator()(BinId bin) {
+  grid_->distances(bin, anchors_, distances_.data());
+  std::int64_t least = std::numeric_limits<std::int64_t>::max();
+  for (std::size_t k = 0; k < anchors_.size(); ++k) {
+    const std::int64_t value = values_[k] + distances_[k];
+    least = value < least ? value : least;
+  }
+  return least;
+}
+
 struct EarthMoversSolver::State {
   std::shared_ptr<const BinGrid> grid;
   TransportSimplex simplex;
@@ -66,38 +86,7 @@ struct EarthMoversSolver::State {
   std::vector<BinId> source_bins, sink_bins;
   std::vector<std::int64_t> supplies, demands;
   std::vector<BinGrid::Place> sink_places;
-  std::vector<BinGrid::Place> anchor_places;
-  std::vector<std::int64_t> anchor_values;
-  std::vector<std::int32_t> distances;
   std::vector<std::int32_t> source_of_place, sink_of_place, new_sinks;
-
-  void set_anchors(const Potential& p) {
-    anchor_places.clear();
-    anchor_values.clear();
-    for (const std::int32_t k : p.anchors) {
-      anchor_places.push_back(grid->place(p.bins[static_cast<std::size_t>(k)]));
-      anchor_values.push_back(p.values[static_cast<std::size_t>(k)]);
-    }
-    distances.resize(anchor_places.size());
-  }
-
-  // The function away from the bins where it is given.
-  std::int64_t extended(BinId bin) {
-    grid->distances(bin, anchor_places, distances.data());
-    std::int64_t least = std::numeric_limits<std::int64_t>::max();
-    for (std::size_t k = 0; k < distances.size(); ++k) {
-      const std::int64_t value = anchor_values[k] + distances[k];
-      least = value < least ? value : least;
-    }
-    return least;
-  }
-
-  // The function at bins in ascending order; `place` walks along.
-  std::int64_t value_at(const Potential& p, BinId bin, std::size_t& place) {
-    while (place < p.bins.size() && p.bins[place] < bin) ++place;
-    if (place < p.bins.size() && p.bins[place] == bin) return p.values[place];
-    return extended(bin);
-  }
 
   void keep_potential();
   void start_from(const Potential& guess);
@@ -214,18 +203,6 @@ EarthMoversDistance EarthMoversSolver::solve(const Signature& a, const Signature
   }
   s.keep_potential();
   return {.distance = to_meters(s.simplex.cost(), unit.total), .lower_bound = lower_bound, .exact = true};
-}
-
-double EarthMoversSolver::bound(const Potential& potential, const Signature& a, const Signature& b) {
-  State& s = *state_;
-  const CommonUnit unit = common_unit(a, b);
-  s.set_anchors(potential);
-  Int128 sum = 0;
-  std::size_t place = 0;
-  for_each_difference(a, b, unit, [&](BinId bin, std::int64_t mass) {
-    if (mass != 0) sum += static_cast<Int128>(mass) * s.value_at(potential, bin, place);
-  });
-  return to_meters(sum, unit.total);
 }
 
 }  // namespace reprise

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "reprise/similarity/bin_grid.h"
@@ -26,6 +27,23 @@ struct Potential {
   std::vector<std::int32_t> anchors;  // indices of the bins that determine the function elsewhere
 
   bool empty() const { return bins.empty(); }
+};
+
+// A potential at any bin.
+class PotentialFunction {
+ public:
+  explicit PotentialFunction(std::shared_ptr<const BinGrid> grid) : grid_(std::move(grid)) {}
+  // `potential` not empty.
+  void set(const Potential& potential);
+  // In `BinGrid::distance_unit`: the minimum of (value + distance) over the anchors, which at the bins where
+  // the potential is given is what is given.
+  std::int64_t operator()(BinId bin);
+
+ private:
+  std::shared_ptr<const BinGrid> grid_;
+  std::vector<BinGrid::Place> anchors_;
+  std::vector<std::int64_t> values_;
+  std::vector<std::int32_t> distances_;
 };
 
 struct EarthMoversDistance {
@@ -51,10 +69,6 @@ class EarthMoversSolver {
 
   // The potential of the last problem, on the bins of both of its histograms; empty if it was left early.
   const Potential& potential() const;
-
-  // Bound on the distance of two histograms by a potential, metres; may be negative. Rigorous: computed in
-  // whole numbers.
-  double bound(const Potential& potential, const Signature& a, const Signature& b);
 
  private:
   struct State;

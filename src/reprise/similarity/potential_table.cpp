@@ -33,17 +33,12 @@ TurnedFrame::TurnedFrame(const ShapeColorHistograms& histograms, std::size_t fra
   }
 }
 
-PotentialTable::PotentialTable(std::shared_ptr<const BinGrid> grid) : grid_(std::move(grid)) {}
+PotentialTable::PotentialTable(std::shared_ptr<const BinGrid> grid)
+    : grid_(std::move(grid)), potential_(grid_) {}
 
 void PotentialTable::set(const Potential& potential) {
   values_.assign(2 * static_cast<std::size_t>(grid_->cell_count()) * grid_->palette().size(), unknown);
-  anchors_.clear();
-  anchor_values_.clear();
-  for (const std::int32_t k : potential.anchors) {
-    anchors_.push_back(grid_->place(potential.bins[static_cast<std::size_t>(k)]));
-    anchor_values_.push_back(potential.values[static_cast<std::size_t>(k)]);
-  }
-  distances_.resize(anchors_.size());
+  potential_.set(potential);
   const int second_round = grid_->options().azimuth_bins * grid_->color_count();
   for (std::size_t k = 0; k < potential.bins.size(); ++k) {
     const auto slot = static_cast<std::size_t>(slot_of(*grid_, potential.bins[k]));
@@ -58,15 +53,10 @@ void PotentialTable::fill(std::int32_t slot) {
   const int color = slot % colors;
   const int azimuth = slot / colors % (2 * azimuths) % azimuths;
   const int ring = slot / colors / (2 * azimuths);
-  grid_->distances(grid_->bin(ring * azimuths + azimuth, color), anchors_, distances_.data());
-  std::int64_t least = std::numeric_limits<std::int64_t>::max();
-  for (std::size_t k = 0; k < anchors_.size(); ++k) {
-    const std::int64_t value = anchor_values_[k] + distances_[k];
-    least = value < least ? value : least;
-  }
+  const std::int64_t value = potential_(grid_->bin(ring * azimuths + azimuth, color));
   const int first = (ring * 2 * azimuths + azimuth) * colors + color;
-  values_[static_cast<std::size_t>(first)] = least;
-  values_[static_cast<std::size_t>(first + azimuths * colors)] = least;
+  values_[static_cast<std::size_t>(first)] = value;
+  values_[static_cast<std::size_t>(first + azimuths * colors)] = value;
 }
 
 double PotentialTable::mean(const TurnedFrame& frame, int half_turns) {

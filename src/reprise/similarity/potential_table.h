@@ -45,9 +45,7 @@ class PotentialTable {
 
   std::shared_ptr<const BinGrid> grid_;
   std::vector<std::int64_t> values_;
-  std::vector<BinGrid::Place> anchors_;
-  std::vector<std::int64_t> anchor_values_;
-  std::vector<std::int32_t> distances_;
+  PotentialFunction potential_;
 };
 
 }  // namespace reprise
