@@ -66,6 +66,12 @@ class BinGrid {
   // any of the former is a whole number of the latter.
   int turn_count() const { return options_.azimuth_bins * options_.azimuth_refinement; }
   int half_turn_count() const { return 2 * turn_count(); }
+  // The turn at a position of the circle (any whole number), in (-turn_count / 2, turn_count / 2].
+  int turn_at(int position) const {
+    const int turns = turn_count();
+    const int turn = ((position % turns) + turns) % turns;
+    return turn <= turns / 2 ? turn : turn - turns;
+  }
 
   // Centroid of the volume of a cell, metres.
   const Eigen::Vector3d& cell_point(int cell) const { return cell_points_[static_cast<std::size_t>(cell)]; }

@@ -99,12 +99,6 @@ std::vector<FrameTile> ShapeColorMetric::tiles(std::span<const std::size_t> clip
   return result;
 }
 
-int ShapeColorMetric::turn_of(int position) const {
-  const int turns = grid_->turn_count();
-  const int turn = ((position % turns) + turns) % turns;
-  return turn <= turns / 2 ? turn : turn - turns;
-}
-
 const ShapeColorMetric::TileMemory* ShapeColorMetric::memory_of(std::size_t a, std::size_t b) const {
   const std::lock_guard lock(mutex_);
   const auto found = memory_.find({tile_start_.at(a), tile_start_.at(b)});
@@ -126,7 +120,7 @@ int ShapeColorMetric::turn_of_most_overlap(std::size_t a, std::size_t b) const {
   int best = 0;
   double most = -1.0;
   for (int position = 0; position < grid_->turn_count(); ++position) {
-    const int turn = turn_of(position);
+    const int turn = grid_->turn_at(position);
     histograms_.signature(a, -turn, turned_a);
     histograms_.signature(b, turn, turned_b);
     const double shared = overlap(turned_a, turned_b);
@@ -214,7 +208,8 @@ SearchStatistics ShapeColorMetric::bound_tile(const FrameTile& tile, std::span<M
     const std::size_t b = tile.b_first + pair % columns;
     const auto bounds = search.bounds(pair);
     const auto [value, position] = search.best(pair);
-    out[pair] = entry_at(a, b, turn_of(position), bounds[static_cast<std::size_t>(least_of(pair))], value);
+    out[pair] =
+        entry_at(a, b, grid_->turn_at(position), bounds[static_cast<std::size_t>(least_of(pair))], value);
     // The arc of turns that are left: all but the longest run of others.
     int longest = 0;
     int longest_end = position + turns - 1;
@@ -294,7 +289,7 @@ MatrixEntry ShapeColorMetric::exact(std::size_t a, std::size_t b, SearchStatisti
     next = most_promising();
   }
   if (statistics != nullptr) *statistics += search.statistics();
-  return entry_at(a, b, turn_of(search.best(0).position), search.best(0).value, search.best(0).value);
+  return entry_at(a, b, grid_->turn_at(search.best(0).position), search.best(0).value, search.best(0).value);
 }
 
 MatrixEntry ShapeColorMetric::brute_force(std::size_t a, std::size_t b, SearchStatistics* statistics) const {

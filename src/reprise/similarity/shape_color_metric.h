@@ -79,7 +79,6 @@ class ShapeColorMetric {
   };
   static constexpr double bound_unit = 4e-6;  // metres
 
-  int turn_of(int position) const;  // (-turns / 2, turns / 2]
   const TileMemory* memory_of(std::size_t a, std::size_t b) const;
   MatrixEntry entry_at(std::size_t a, std::size_t b, int turn, double lower, double value) const;
   int turn_of_most_overlap(std::size_t a, std::size_t b) const;

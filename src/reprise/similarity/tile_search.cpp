@@ -36,7 +36,7 @@ std::span<double> TileSearch::bounds(std::size_t pair) {
 bool TileSearch::solve(std::size_t row, std::size_t column, int position, const Potential* guess, int reach,
                        double cutoff) {
   const int place = wrapped(position);
-  const int turn = turn_at(place);
+  const int turn = histograms_.grid().turn_at(place);
   histograms_.signature(tile_.a_first + row, -turn, turned_a_);
   histograms_.signature(tile_.b_first + column, turn, turned_b_);
   const EarthMoversDistance result = solver_.solve(turned_a_, turned_b_, guess, cutoff);
@@ -46,7 +46,9 @@ bool TileSearch::solve(std::size_t row, std::size_t column, int position, const 
   }
   ++statistics_.exact_solves;
   Best& best = best_[pair(row, column)];
-  const auto size_of = [&](int p) { return std::pair(std::abs(turn_at(p)), turn_at(p)); };
+  const auto size_of = [&](int p) {
+    return std::pair(std::abs(histograms_.grid().turn_at(p)), histograms_.grid().turn_at(p));
+  };
   if (result.distance < best.value ||
       (result.distance == best.value && size_of(place) < size_of(best.position))) {
     best = {result.distance, place};
@@ -58,7 +60,7 @@ bool TileSearch::solve(std::size_t row, std::size_t column, int position, const 
 }
 
 void TileSearch::tighten(int position) {
-  const int turn = turn_at(position);
+  const int turn = histograms_.grid().turn_at(position);
   means_b_.clear();
   for (const TurnedFrame& frame : frames_b_) means_b_.push_back(table_.mean(frame, turn));
   for (std::size_t row = 0; row < rows_; ++row) {

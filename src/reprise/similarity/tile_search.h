@@ -42,7 +42,6 @@ class TileSearch {
   const SearchStatistics& statistics() const { return statistics_; }
 
  private:
-  int turn_at(int position) const { return position <= turns_ / 2 ? position : position - turns_; }
   void tighten(int position);
 
   const ShapeColorHistograms& histograms_;
