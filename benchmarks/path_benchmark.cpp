@@ -14,57 +14,15 @@
 
 #include <fmt/format.h>
 
+#include "random_graph.h"
 #include "reprise/path/keyframe_optimizer.h"
 #include "support/keyframe_program.h"
 
 namespace {
 
-using reprise::Transition;
-
-struct RandomGraph {
-  std::vector<std::vector<Eigen::Vector2d>> trajectories;
-  std::vector<Transition> transitions;
-  std::vector<std::string> names;
-};
-
-// Clips of 30 to 130 frames, every other one walking 4 cm a frame, and `per_pair` transitions for each
-// ordered pair.
-RandomGraph random_graph(std::size_t clip_count, int per_pair, std::mt19937& random) {
-  RandomGraph graph;
-  std::uniform_int_distribution<int> length(30, 130);
-  std::normal_distribution<double> noise(0.0, 0.004);
-  for (std::size_t i = 0; i < clip_count; ++i) {
-    const double speed = i % 2 == 0 ? 0.04 : 0.0;
-    std::vector<Eigen::Vector2d> trajectory{Eigen::Vector2d::Zero()};
-    for (int frame = length(random); frame > 1; --frame) {
-      trajectory.push_back(trajectory.back() + Eigen::Vector2d(noise(random), speed + noise(random)));
-    }
-    graph.trajectories.push_back(std::move(trajectory));
-    graph.names.push_back(fmt::format("clip{}", i));
-  }
-  std::uniform_real_distribution<double> cost(0.1, 0.6);
-  for (std::size_t source = 0; source < clip_count; ++source) {
-    for (std::size_t target = 0; target < clip_count; ++target) {
-      for (int i = 0; i < per_pair; ++i) {
-        const int source_last = static_cast<int>(graph.trajectories[source].size()) - 1;
-        const int target_last = static_cast<int>(graph.trajectories[target].size()) - 1;
-        Transition transition;
-        transition.source_clip = source;
-        transition.target_clip = target;
-        transition.half_window = std::uniform_int_distribution<int>(2, 12)(random);
-        const int L = transition.half_window;
-        transition.m = std::uniform_int_distribution<int>(L, source_last - L)(random);
-        transition.n = std::uniform_int_distribution<int>(L, target_last - L)(random);
-        transition.source_from_target.translation =
-            graph.trajectories[source][static_cast<std::size_t>(transition.m)] -
-            graph.trajectories[target][static_cast<std::size_t>(transition.n)];
-        transition.cost = cost(random);
-        graph.transitions.push_back(transition);
-      }
-    }
-  }
-  return graph;
-}
+using reprise::benchmark::random_graph;
+using reprise::benchmark::random_query;
+using reprise::benchmark::RandomGraph;
 
 double milliseconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
@@ -75,24 +33,6 @@ double median(std::vector<double> values) {
   return values.empty() ? 0.0 : values[values.size() / 2];
 }
 
-// Targets lie within a fifth of those given; the first key-frame lies early and the last late in its clip, so
-// that transitions lead out and in.
-reprise::KeyframeQuery random_query(const RandomGraph& graph, double distance, double time,
-                                    std::mt19937& random) {
-  reprise::KeyframeQuery query;
-  for (int i = 0; i < 2; ++i) {
-    const std::size_t clip_idx =
-        std::uniform_int_distribution<std::size_t>(0, graph.names.size() - 1)(random);
-    const std::size_t frames = graph.trajectories[clip_idx].size();
-    const std::size_t frame_idx = std::uniform_int_distribution<std::size_t>(0, frames / 4)(random);
-    query.keyframes.push_back({clip_idx, i == 0 ? frame_idx : frames - 1 - frame_idx});
-  }
-  std::uniform_real_distribution<double> factor(0.8, 1.2);
-  query.distance = distance * factor(random);
-  query.time = time * factor(random);
-  return query;
-}
-
 void measure(const char* name, std::size_t clip_count, int per_pair, double distance, double time,
              int queries, const reprise::KeyframeOptions& options = {}) {
   std::mt19937 random(7);
@@ -101,8 +41,7 @@ void measure(const char* name, std::size_t clip_count, int per_pair, double dist
   int unproved = 0;
   while (static_cast<int>(times.size()) < queries) {
     const RandomGraph graph = random_graph(clip_count, per_pair, random);
-    const reprise::PathMetrics metrics(graph.trajectories, graph.transitions, reprise::BlendProfile::smooth,
-                                       25.0);
+    const reprise::PathMetrics metrics = graph.metrics();
     const reprise::KeyframeQuery query = random_query(graph, distance, time, random);
     const auto start = std::chrono::steady_clock::now();
     const auto path = reprise::find_keyframe_path(metrics, query, options, graph.names);
@@ -128,8 +67,7 @@ void measure_beside_glpk(const char* name, std::size_t clip_count, int per_pair,
   double worst_difference = 0.0;
   while (static_cast<int>(own.size()) < queries) {
     const RandomGraph graph = random_graph(clip_count, per_pair, random);
-    const reprise::PathMetrics metrics(graph.trajectories, graph.transitions, reprise::BlendProfile::smooth,
-                                       25.0);
+    const reprise::PathMetrics metrics = graph.metrics();
     const reprise::KeyframeQuery query = random_query(graph, distance, time, random);
     const reprise::KeyframeOptions options;
     auto start = std::chrono::steady_clock::now();

@@ -167,7 +167,13 @@ expect 1 "no path" "$reprise" keyframes pair.reprise --graph pair.json --from wa
 expect 1 "database" "$reprise" keyframes figure.reprise --graph pair.json --from walk:1 --to stand:9 -o new.reprise
 keep pair.json
 expect 1 "did you mean 'stand'" "$reprise" graph pair.reprise -o pair.json --remove 'walk->stnd'
+expect 1 "does not fit" "$reprise" graph pair.reprise -o pair.json --add 'walk:0->stand:9'
+expect 1 "is not protected" "$reprise" graph pair.reprise -o pair.json --unprotect 'walk->stand'
+expect 2 "--prune" "$reprise" graph pair.reprise -o pair.json --prune all
 unchanged pair.json
+expect 0 "1 made by hand" "$reprise" graph pair.reprise -o pair.json --add 'walk:9->stand:9@4' --components
+expect 0 "only lead in" "$reprise" graph pair.reprise -o pair.json --components
+expect 0 "proved optimal" "$reprise" keyframes pair.reprise --graph pair.json --from walk:1 --to stand:14 --distance 1 --time 1 -o by_hand.reprise
 head -c 200 graph.json > broken.json
 expect 1 "broken.json" "$reprise" keyframes figure.reprise --graph broken.json --from walk:1 --to wave:2 -o new.reprise
 unchanged new.reprise

@@ -25,7 +25,8 @@ namespace reprise::test {
 // epigraph variables, and loops that hang on nothing are cut off as they turn up.
 class KeyframeProgram {
  public:
-  // `cost_bound`: the cost of some feasible path, which bounds every x_e.
+  // `cost_bound`: the cost of some feasible path, which bounds every x_e. Precondition: time has a weight or
+  // a limit, or every transition costs something.
   KeyframeProgram(const PathMetrics& metrics, const KeyframeQuery& query, const KeyframeOptions& options,
                   double cost_bound)
       : metrics_(metrics),
@@ -33,14 +34,21 @@ class KeyframeProgram {
         options_(options),
         target_frames_(query.time * metrics.frames_per_second()) {
     add_edges();
-    const double longest = target_frames_ - 1.0 + cost_bound / options_.time_weight;
+    const double most_frames = std::min(query_.max_time * metrics_.frames_per_second(),
+                                        target_frames_ + over(cost_bound, options_.time_weight));
+    const double most_distance =
+        std::min(query_.max_distance, query_.distance + over(cost_bound, options_.distance_weight));
     problem_ = glp_create_prob();
     glp_set_obj_dir(problem_, GLP_MIN);
     glp_add_cols(problem_, static_cast<int>(edges_.size()) + 2);
     for (std::size_t i = 0; i < edges_.size(); ++i) {
       const int column = static_cast<int>(i) + 1;
-      const double most =
-          edges_[i].steps == 0 ? 1.0 : std::max(0.0, std::floor(longest / edges_[i].steps + 1e-9));
+      const Edge& edge = edges_[i];
+      const double most = edge.target == sink_node
+                              ? 1.0
+                              : std::max(0.0, std::floor(1e-9 + std::min({over(most_frames - 1.0, edge.steps),
+                                                                          over(most_distance, edge.distance),
+                                                                          over(cost_bound, edge.cost)})));
       most_.push_back(most);
       glp_set_col_kind(problem_, column, GLP_IV);
       glp_set_col_bnds(problem_, column, most > 0.0 ? GLP_DB : GLP_FX, 0.0, most);
@@ -73,19 +81,26 @@ class KeyframeProgram {
       add_row(distance, GLP_LO, -sign * query_.distance);
       add_row(time, GLP_LO, -sign * (target_frames_ - 1.0));
     }
+    add_limits();
   }
   ~KeyframeProgram() { glp_delete_prob(problem_); }
   KeyframeProgram(const KeyframeProgram&) = delete;
   KeyframeProgram& operator=(const KeyframeProgram&) = delete;
 
-  // The least cost; NaN if GLPK gives up.
+  // The least cost; infinite if there is no path, NaN if GLPK gives up.
   double solve() {
     glp_iocp control;
     glp_init_iocp(&control);
     control.msg_lev = GLP_MSG_OFF;
-    control.presolve = GLP_ON;
     for (;;) {
+      // Without the presolver of integer programs, which takes a row missed by 0.001 for kept.
+      glp_smcp relaxed;
+      glp_init_smcp(&relaxed);
+      relaxed.msg_lev = GLP_MSG_OFF;
+      if (glp_simplex(problem_, &relaxed) != 0) return std::numeric_limits<double>::quiet_NaN();
+      if (glp_get_status(problem_) == GLP_NOFEAS) return unlimited;
       const int failed = glp_intopt(problem_, &control);
+      if (failed == 0 && glp_mip_status(problem_) == GLP_NOFEAS) return unlimited;
       if (failed != 0 || glp_mip_status(problem_) != GLP_OPT) return std::numeric_limits<double>::quiet_NaN();
       if (cut_loose_loops()) continue;
       double cost = 0.0, distance = 0.0, steps = 0.0;
@@ -113,6 +128,7 @@ class KeyframeProgram {
     int steps = 0;
     double distance = 0.0;
     double cost = 0.0;
+    std::size_t arrives_in = std::numeric_limits<std::size_t>::max();  // clip, unless it goes to the sink
   };
   struct Row {
     std::vector<int> columns{0};  // GLPK counts from 1
@@ -128,6 +144,42 @@ class KeyframeProgram {
     glp_set_row_bnds(problem_, index, kind, bound, bound);
     glp_set_mat_row(problem_, index, static_cast<int>(row.columns.size()) - 1, row.columns.data(),
                     row.values.data());
+  }
+
+  // `amount / rate`, unlimited if nothing is used up.
+  static double over(double amount, double rate) { return rate > 0.0 ? amount / rate : unlimited; }
+
+  // Rows for the hard limits, and one for each compulsory clip that holds no key-frame.
+  void add_limits() {
+    Row distance, time;
+    for (std::size_t i = 0; i < edges_.size(); ++i) {
+      if (edges_[i].distance != 0.0) distance.add(static_cast<int>(i) + 1, edges_[i].distance);
+      if (edges_[i].steps != 0) time.add(static_cast<int>(i) + 1, edges_[i].steps);
+    }
+    const double rate = metrics_.frames_per_second();
+    // Of whole numbers of frames, those within the limits.
+    const double fewest = std::ceil(query_.min_time * rate - 1e-6) - 1.0;
+    const double most = std::floor(query_.max_time * rate + 1e-6) - 1.0;
+    if (query_.min_distance > 0.0) add_row(distance, GLP_LO, query_.min_distance);
+    if (query_.max_distance < unlimited) add_row(distance, GLP_UP, query_.max_distance);
+    if (query_.min_time > 0.0) add_row(time, GLP_LO, fewest);
+    if (query_.max_time < unlimited) add_row(time, GLP_UP, most);
+    for (const std::size_t clip_idx : query_.compulsory_clips) {
+      Row arrivals;
+      bool holds_keyframe = false;
+      for (const FrameId& keyframe : query_.keyframes) holds_keyframe |= keyframe.clip_idx == clip_idx;
+      for (std::size_t i = 0; i < edges_.size(); ++i) {
+        if (edges_[i].arrives_in == clip_idx) arrivals.add(static_cast<int>(i) + 1, 1.0);
+      }
+      if (!holds_keyframe) add_row(arrivals, GLP_LO, 1.0);
+    }
+  }
+
+  bool is_forbidden(const Transition& transition) const {
+    for (const std::size_t clip_idx : query_.forbidden_clips) {
+      if (transition.source_clip == clip_idx || transition.target_clip == clip_idx) return true;
+    }
+    return false;
   }
 
   void add_edges() {
@@ -153,16 +205,18 @@ class KeyframeProgram {
       if (keyframes.back().clip_idx == clip_idx && last_frame >= first_new &&
           shown_after(shown, clip_idx, first_new, last_frame - 1) + 1 == keyframes.size()) {
         edges_.push_back({node, sink_node, last_frame - arrived,
-                          metrics_.clip_distance(clip_idx, arrived, last_frame), 0.0});
+                          metrics_.clip_distance(clip_idx, arrived, last_frame), 0.0,
+                          std::numeric_limits<std::size_t>::max()});
       }
       for (std::size_t i = 0; i < metrics_.transitions().size(); ++i) {
         const Transition& transition = metrics_.transitions()[i];
         if (transition.source_clip != clip_idx || transition.leave() < arrived) continue;
+        if (is_forbidden(transition)) continue;
         edges_.push_back(
             {node, node_of(shown_after(shown, clip_idx, first_new, transition.leave()), i),
              transition.leave() - arrived + 2 * transition.half_window,
              metrics_.clip_distance(clip_idx, arrived, transition.leave()) + metrics_.blend_distance(i),
-             transition.cost});
+             transition.cost, transition.target_clip});
       }
     };
     const int first_frame = static_cast<int>(keyframes.front().frame_idx);

@@ -36,6 +36,7 @@ Action add_skeleton(CLI::App& command);
 Action add_similarity(CLI::App& command);
 Action add_graph(CLI::App& command);
 Action add_keyframes(CLI::App& command);
+Action add_play(CLI::App& command);
 Action add_export(CLI::App& command);
 Action add_render(CLI::App& command);
 Action add_evaluate(CLI::App& command);

@@ -5,28 +5,50 @@
 
 #include <filesystem>
 #include <memory>
+#include <numbers>
 #include <string>
-#include <vector>
 
 #include <fmt/format.h>
 
 #include "command.h"
+#include "keyframe_options.h"
 #include "reprise/core/atomic_file.h"
 #include "reprise/core/error.h"
 #include "reprise/io/database_file.h"
 #include "reprise/pipeline/outputs.h"
 
 namespace reprise::cli {
+namespace {
+
+void print_answer(const KeyframesOptions& options, const KeyframesResult& result) {
+  const MotionPath& path = result.path;
+  fmt::print("{}: {} frames, {} transitions\n", result.animation.name(), result.animation.frame_count(),
+             path.segments.size() - 1);
+  fmt::print("distance {:.3f} m (asked {:g}), time {:.2f} s (asked {:g}), cost {:.6g}, {}\n", path.distance,
+             options.distance, path.time, options.time, path.cost,
+             path.gap() > 0.0 ? fmt::format("lower bound {:.6g} (search limit reached)", path.lower_bound)
+                              : "proved optimal");
+  if (result.report.contains("correction")) {
+    const nlohmann::json& correction = result.report["correction"];
+    fmt::print("corrected: distance {:.3f} m, time {:.2f} s\n", correction["distance"].get<double>(),
+               correction["time"].get<double>());
+  }
+  if (options.goal || options.route) {
+    const nlohmann::json& end = result.report["end"];
+    fmt::print("ends at {:.2f},{:.2f} m, turned by {:.0f} degrees\n", end["position"][0].get<double>(),
+               end["position"][1].get<double>(), end["turn"].get<double>() * 180.0 / std::numbers::pi);
+  }
+}
+
+}  // namespace
 
 Action add_keyframes(CLI::App& command) {
   struct Arguments {
     std::filesystem::path database;
     std::filesystem::path graph;
-    std::string from;
-    std::vector<std::string> via;
-    std::string to;
     std::filesystem::path output;
     std::filesystem::path report;
+    std::filesystem::path program;
     KeyframesOptions options;
   };
   const auto arguments = std::make_shared<Arguments>();
@@ -34,50 +56,44 @@ Action add_keyframes(CLI::App& command) {
   command
       .add_option("--graph", arguments->graph, "surface motion graph of the database, from `reprise graph`")
       ->required();
-  command.add_option("--from", arguments->from, "first key-frame, CLIP:FRAME")->required();
-  command.add_option("--via", arguments->via, "key-frames to show on the way, in order");
-  command.add_option("--to", arguments->to, "last key-frame, CLIP:FRAME")->required();
-  command.add_option("--distance", arguments->options.distance,
-                     "ground distance to travel, metres; 0: as short as possible");
-  command.add_option("--time", arguments->options.time, "duration, seconds; 0: as short as possible");
+  const std::function<void()> complete = add_keyframe_options(command, arguments->options);
   command.add_option("-o,--output", arguments->output, "animation to write, such as new.reprise")->required();
   command.add_option("--report", arguments->report, "write the path and its certificate, FILE.json");
-  command.add_option("--name", arguments->options.name, "name of the resulting clip");
-  command.add_option("--distance-weight", arguments->options.optimizer.distance_weight,
-                     "cost of a metre beside the target");
-  command.add_option("--time-weight", arguments->options.optimizer.time_weight,
-                     "cost of a frame beside the target");
-  command
-      .add_option("--max-labels", arguments->options.optimizer.max_labels,
-                  "partial paths to look at before the best so far is given with its gap")
-      ->check(CLI::PositiveNumber);
-  return [arguments] {
-    check_outputs({{arguments->output, ".reprise"}, {arguments->report, ".json"}},
-                  {arguments->database, arguments->graph});
-    KeyframesOptions& options = arguments->options;
-    options.keyframes = {arguments->from};
-    options.keyframes.insert(options.keyframes.end(), arguments->via.begin(), arguments->via.end());
-    options.keyframes.push_back(arguments->to);
-
+  command.add_option("--lp", arguments->program, "write the query as an integer program, FILE.lp");
+  return [arguments, complete] {
+    check_outputs(
+        {{arguments->output, ".reprise"}, {arguments->report, ".json"}, {arguments->program, ".lp"}},
+        {arguments->database, arguments->graph});
+    complete();
+    const KeyframesOptions& options = arguments->options;
     const SurfaceMotionGraph graph = load_graph(arguments->graph);
     const PerformanceDatabase database = load_database(arguments->database);
-    const auto result = run_keyframes(database, graph, options);
-    if (!result) throw Error("no path: " + result.error().reason);
+    const auto results = run_keyframe_alternatives(database, graph, options);
+    if (!results) throw Error("no path: " + results.error().reason);
+    std::string program;
+    if (!arguments->program.empty()) {
+      program = keyframe_program(database, graph, options, results->front().path.cost);
+    }
 
+    // One answer reports itself, several are a list.
+    nlohmann::json report = results->front().report;
+    if (results->size() > 1) {
+      report = nlohmann::json::array();
+      for (const KeyframesResult& result : *results) report.push_back(result.report);
+    }
     DatabaseWriter writer(arguments->output, database.topology());
     if (database.markup()) writer.set_markup(*database.markup());
-    writer.write_clip(result->animation);
-    writer.set_note(result->report.dump());
+    for (const KeyframesResult& result : *results) writer.write_clip(result.animation);
+    writer.set_note(report.dump());
     writer.commit();
-    if (!arguments->report.empty()) write_text_file(arguments->report, result->report.dump(2) + "\n");
+    if (!arguments->report.empty()) write_text_file(arguments->report, report.dump(2) + "\n");
+    if (!program.empty()) write_text_file(arguments->program, program);
 
-    const MotionPath& path = result->path;
-    fmt::print("{}: {} frames, {} transitions\n", arguments->output.string(), path.frame_count,
-               path.segments.size() - 1);
-    fmt::print("distance {:.3f} m (asked {:g}), time {:.2f} s (asked {:g}), cost {:.6g}, {}\n", path.distance,
-               options.distance, path.time, options.time, path.cost,
-               path.gap() > 0.0 ? fmt::format("lower bound {:.6g} (search limit reached)", path.lower_bound)
-                                : "proved optimal");
+    fmt::print("{}\n", arguments->output.string());
+    for (const KeyframesResult& result : *results) print_answer(options, result);
+    if (results->size() < options.alternatives.count) {
+      fmt::print("there are no more paths that differ enough\n");
+    }
     return exit_success;
   };
 }

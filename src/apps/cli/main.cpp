@@ -38,6 +38,7 @@ constexpr std::array commands = {
             /*shares_work=*/true},
     Command{"graph", "find transitions between clips", reprise::cli::add_graph, /*shares_work=*/true},
     Command{"keyframes", "make a new animation through key-frames", reprise::cli::add_keyframes},
+    Command{"play", "play on without an end: a loop, or a random walk", reprise::cli::add_play},
     Command{"export", "write a clip for other programs: glTF, PC2, MDD, OBJ, PLY", reprise::cli::add_export},
     Command{"render", "draw a clip as video or pictures", reprise::cli::add_render},
     Command{"evaluate", "measure the quality of a result", reprise::cli::add_evaluate},

@@ -66,6 +66,9 @@ void add_transition_options(CLI::App& command, TransitionOptions& options) {
       ->default_str("blend-speed");
   command.add_option("--acceleration-weight", options.acceleration_weight,
                      "blend-speed: weight of the peak acceleration, frames^2");
+  command.add_option("--max-pop-ratio", options.max_pop_ratio,
+                     "no blends that accelerate the surface more than this many times as much as the capture "
+                     "does; inf: no limit");
   command
       .add_option_function<std::string>(
           "--profile",

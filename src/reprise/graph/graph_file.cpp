@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include <fmt/format.h>
@@ -21,12 +22,15 @@ namespace reprise {
 namespace {
 
 constexpr const char* format_name = "reprise surface motion graph";
-constexpr int format_version = 1;
+constexpr int format_version = 2;
 
 constexpr std::pair<BlendProfile, const char*> profiles[] = {{BlendProfile::linear, "linear"},
                                                              {BlendProfile::smooth, "smooth"}};
 constexpr std::pair<WindowCriterion, const char*> criteria[] = {{WindowCriterion::blend_speed, "blend_speed"},
                                                                 {WindowCriterion::paper_sum, "paper_sum"}};
+
+constexpr std::pair<Pruning, const char*> prunings[] = {
+    {Pruning::none, "none"}, {Pruning::dead_ends, "dead_ends"}, {Pruning::both_ends, "both_ends"}};
 
 template <typename Enum, std::size_t count>
 const char* name_of(const std::pair<Enum, const char*> (&names)[count], Enum value) {
@@ -42,23 +46,29 @@ Json to_json(const TransitionOptions& options) {
           {"criterion", name_of(criteria, options.criterion)},
           {"acceleration_weight", options.acceleration_weight},
           {"profile", name_of(profiles, options.profile)},
-          {"sample_vertices", options.sample_vertices}};
+          {"sample_vertices", options.sample_vertices},
+          {"max_pop_ratio", std::isinf(options.max_pop_ratio) ? Json(nullptr) : Json(options.max_pop_ratio)}};
 }
 
 using Field = JsonField;
 
-TransitionOptions read_options(const Field& field) {
+TransitionOptions read_options(const Field& field, int version) {
   field.warn_of_others({"transitions_per_pair", "max_half_window", "min_half_window", "self_min_gap",
-                        "separation", "criterion", "acceleration_weight", "profile", "sample_vertices"});
-  const TransitionOptions options{.transitions_per_pair = field["transitions_per_pair"].integer(1),
-                                  .max_half_window = field["max_half_window"].integer(1),
-                                  .min_half_window = field["min_half_window"].integer(1),
-                                  .self_min_gap = field["self_min_gap"].integer(1),
-                                  .separation = field["separation"].integer(1),
-                                  .criterion = field["criterion"].choice(criteria),
-                                  .acceleration_weight = field["acceleration_weight"].number_from(0.0),
-                                  .profile = field["profile"].choice(profiles),
-                                  .sample_vertices = field["sample_vertices"].integer(1)};
+                        "separation", "criterion", "acceleration_weight", "profile", "sample_vertices",
+                        "max_pop_ratio"});
+  TransitionOptions options{.transitions_per_pair = field["transitions_per_pair"].integer(1),
+                            .max_half_window = field["max_half_window"].integer(1),
+                            .min_half_window = field["min_half_window"].integer(1),
+                            .self_min_gap = field["self_min_gap"].integer(1),
+                            .separation = field["separation"].integer(1),
+                            .criterion = field["criterion"].choice(criteria),
+                            .acceleration_weight = field["acceleration_weight"].number_from(0.0),
+                            .profile = field["profile"].choice(profiles),
+                            .sample_vertices = field["sample_vertices"].integer(1)};
+  // Version 1 knew no limit; null stands for none.
+  options.max_pop_ratio = std::numeric_limits<double>::infinity();
+  if (version > 1 && !field["max_pop_ratio"].is_null())
+    options.max_pop_ratio = field["max_pop_ratio"].number();
   try {
     validate(options);
   } catch (const InvalidArgument& error) {
@@ -129,16 +139,57 @@ Transition read_transition(const Field& field, const std::vector<GraphClip>& cli
   return transition;
 }
 
-RemovedEdge read_removed(const Field& field, const std::vector<GraphClip>& clips) {
-  field.warn_of_others({"source", "m", "target", "n"});
-  const GraphClip& source = clips[read_clip_idx(field["source"], clips)];
-  const GraphClip& target = clips[read_clip_idx(field["target"], clips)];
-  RemovedEdge edge{.source_clip = source.name, .target_clip = target.name};
+// The name of a clip, or a pattern of names.
+std::string read_clip_name(const Field& field, const std::vector<GraphClip>& clips) {
+  std::string name = field.text();
+  if (name.find('*') == std::string::npos) (void)read_clip_idx(field, clips);
+  return name;
+}
+
+EdgePattern read_pattern(const Field& field, const std::vector<GraphClip>& clips, int separation) {
+  field.warn_of_others({"source", "m", "target", "n", "within"});
+  EdgePattern pattern{.source_clip = read_clip_name(field["source"], clips),
+                      .target_clip = read_clip_name(field["target"], clips)};
   if (field.has("m") || field.has("n")) {
-    edge.m = field["m"].integer(0, source.frame_count - 1);
-    edge.n = field["n"].integer(0, target.frame_count - 1);
+    pattern.m = field["m"].integer(0, clips[read_clip_idx(field["source"], clips)].frame_count - 1);
+    pattern.n = field["n"].integer(0, clips[read_clip_idx(field["target"], clips)].frame_count - 1);
+    pattern.within = field.has("within") ? field["within"].integer(1) : separation;
   }
-  return edge;
+  return pattern;
+}
+
+Json to_json(const EdgePattern& pattern) {
+  Json json = {{"source", pattern.source_clip}};
+  if (pattern.m >= 0) json["m"] = pattern.m;
+  json["target"] = pattern.target_clip;
+  if (pattern.m >= 0) {
+    json["n"] = pattern.n;
+    json["within"] = pattern.within;
+  }
+  return json;
+}
+
+Json to_json(const std::vector<Transition>& transitions, const std::vector<GraphClip>& clips) {
+  Json json = Json::array();
+  for (const Transition& transition : transitions) {
+    const Eigen::Vector2d& translation = transition.source_from_target.translation;
+    json.push_back({{"source", clips.at(transition.source_clip).name},
+                    {"m", transition.m},
+                    {"target", clips.at(transition.target_clip).name},
+                    {"n", transition.n},
+                    {"half_window", transition.half_window},
+                    {"yaw", transition.source_from_target.yaw},
+                    {"translation", Json::array({translation.x(), translation.y()})},
+                    {"distortion", transition.distortion},
+                    {"peak_acceleration", transition.peak_acceleration},
+                    {"cost", transition.cost}});
+  }
+  return json;
+}
+
+// A list that may be missing: edits may be written by hand.
+std::vector<Field> items_of(const Field& file, const char* name) {
+  return file.has(name) ? file[name].items() : std::vector<Field>();
 }
 
 }  // namespace
@@ -150,36 +201,20 @@ void save_graph(const SurfaceMotionGraph& graph, const std::filesystem::path& pa
                      {"frame_count", clip.frame_count},
                      {"frames_per_second", clip.frames_per_second}});
   }
-  Json transitions = Json::array();
-  for (const Transition& transition : graph.transitions) {
-    const Eigen::Vector2d& translation = transition.source_from_target.translation;
-    transitions.push_back({{"source", graph.clips.at(transition.source_clip).name},
-                           {"m", transition.m},
-                           {"target", graph.clips.at(transition.target_clip).name},
-                           {"n", transition.n},
-                           {"half_window", transition.half_window},
-                           {"yaw", transition.source_from_target.yaw},
-                           {"translation", Json::array({translation.x(), translation.y()})},
-                           {"distortion", transition.distortion},
-                           {"peak_acceleration", transition.peak_acceleration},
-                           {"cost", transition.cost}});
-  }
   Json removed = Json::array();
-  for (const RemovedEdge& edge : graph.removed) {
-    Json item = {{"source", edge.source_clip}};
-    if (edge.m >= 0) item["m"] = edge.m;
-    item["target"] = edge.target_clip;
-    if (edge.m >= 0) item["n"] = edge.n;
-    removed.push_back(std::move(item));
-  }
+  for (const EdgePattern& pattern : graph.removed) removed.push_back(to_json(pattern));
   const Json file = {{"format", format_name},
                      {"version", format_version},
                      {"database_hash", graph.database_hash},
                      {"metric", graph.metric},
+                     {"captured_acceleration", graph.captured_acceleration},
                      {"options", to_json(graph.options)},
                      {"clips", std::move(clips)},
                      {"removed", std::move(removed)},
-                     {"transitions", std::move(transitions)}};
+                     {"protected", to_json(graph.kept, graph.clips)},
+                     {"added", to_json(graph.added, graph.clips)},
+                     {"pruning", name_of(prunings, graph.pruning)},
+                     {"transitions", to_json(graph.transitions, graph.clips)}};
   write_text_file(path, file.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
@@ -190,23 +225,31 @@ SurfaceMotionGraph load_graph(const std::filesystem::path& path) {
                     fmt::format("is not a surface motion graph: expected \"format\": \"{}\"", format_name));
   }
   const Field file(path, json, "");
-  if (const int version = file["version"].integer(1); version > format_version) {
+  const int version = file["version"].integer(1);
+  if (version > format_version) {
     file["version"].fail(
         fmt::format("the file has version {}, this program reads up to version {}", version, format_version));
   }
-  file.warn_of_others(
-      {"format", "version", "database_hash", "metric", "options", "clips", "removed", "transitions"});
+  file.warn_of_others({"format", "version", "database_hash", "metric", "captured_acceleration", "options",
+                       "clips", "removed", "protected", "added", "pruning", "transitions"});
   SurfaceMotionGraph graph{.database_hash = file["database_hash"].text(),
                            .metric = file["metric"].text(),
                            .clips = read_clips(file["clips"])};
-  graph.options = read_options(file["options"]);
+  graph.options = read_options(file["options"], version);
+  if (version > 1) graph.captured_acceleration = file["captured_acceleration"].number_from(0.0);
   for (const Field& item : file["transitions"].items()) {
     graph.transitions.push_back(read_transition(item, graph.clips));
   }
-  if (file.has("removed")) {  // may be written by hand
-    for (const Field& item : file["removed"].items())
-      graph.removed.push_back(read_removed(item, graph.clips));
+  for (const Field& item : items_of(file, "removed")) {
+    graph.removed.push_back(read_pattern(item, graph.clips, graph.options.separation));
   }
+  for (const Field& item : items_of(file, "protected")) {
+    graph.kept.push_back(read_transition(item, graph.clips));
+  }
+  for (const Field& item : items_of(file, "added")) {
+    graph.added.push_back(read_transition(item, graph.clips));
+  }
+  if (file.has("pruning")) graph.pruning = file["pruning"].choice(prunings);
   return graph;
 }
 

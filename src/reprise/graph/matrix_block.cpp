@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "reprise/core/error.h"
 #include "reprise/core/parallel.h"
@@ -38,6 +39,21 @@ void check_answer(const DissimilarityMatrix& matrix, std::size_t a, std::size_t 
 }
 
 }  // namespace
+
+void check_matrix_fits(const PerformanceDatabase& database, const DissimilarityMatrix& matrix) {
+  if (matrix.clip_names() != database.clip_names()) {
+    throw InvalidArgument(fmt::format("the dissimilarity matrix is of the clips {}, the database has {}",
+                                      fmt::join(matrix.clip_names(), ", "),
+                                      fmt::join(database.clip_names(), ", ")));
+  }
+  for (std::size_t c = 0; c < database.clips().size(); ++c) {
+    if (matrix.clip_frame_counts()[c] != database.clip(c).frame_count()) {
+      throw InvalidArgument(fmt::format(
+          "clip '{}' has {} frames in the dissimilarity matrix and {} in the database",
+          database.clip(c).name(), matrix.clip_frame_counts()[c], database.clip(c).frame_count()));
+    }
+  }
+}
 
 MatrixBlock::MatrixBlock(const RefinableMatrix& matrix, std::size_t source_clip, std::size_t target_clip)
     : matrix_(matrix),

@@ -27,6 +27,9 @@ struct RefinableMatrix {
   const ExactEntry* exact_entry = nullptr;
 };
 
+// Throws `InvalidArgument` if the matrix is of other clips than the database has.
+void check_matrix_fits(const PerformanceDatabase& database, const DissimilarityMatrix& matrix);
+
 // Rows are the frames of the source, columns those of the target. Reads and writes the matrix itself, so that
 // a block and its transpose know the same.
 class MatrixBlock {

@@ -4,15 +4,15 @@
 #include "reprise/graph/surface_motion_graph.h"
 
 #include <algorithm>
-#include <charconv>
-#include <optional>
-#include <string_view>
+#include <set>
+#include <tuple>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "reprise/core/error.h"
-#include "reprise/core/text.h"
+#include "reprise/graph/captured_acceleration.h"
+#include "reprise/graph/graph_components.h"
 
 namespace reprise {
 namespace {
@@ -23,109 +23,60 @@ std::vector<std::string> names_of(const SurfaceMotionGraph& graph) {
   return names;
 }
 
-const GraphClip* find_clip(const SurfaceMotionGraph& graph, std::string_view name) {
-  const auto found = std::ranges::find(graph.clips, name, &GraphClip::name);
-  return found == graph.clips.end() ? nullptr : &*found;
-}
-
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(' ');
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(' ') - first + 1);
-}
-
-// "walk" or "walk:12".
-struct EdgeEnd {
-  std::string clip;
-  std::optional<std::string_view> frame;
-};
-
-EdgeEnd parse_end(std::string_view text) {
-  text = trimmed(text);
-  const auto colon = text.find(':');  // names hold no colon
-  if (colon == std::string_view::npos) return {std::string(text), std::nullopt};
-  return {std::string(text.substr(0, colon)), text.substr(colon + 1)};
-}
-
-const GraphClip& checked_clip(const SurfaceMotionGraph& graph, const std::string& name) {
-  if (const GraphClip* clip = find_clip(graph, name)) return *clip;
-  const std::vector<std::string> names = names_of(graph);
-  const std::string nearest = nearest_word(name, names);
-  throw InvalidArgument(
-      nearest.empty() ? fmt::format("there is no clip '{}'; the clips are {}", name, fmt::join(names, ", "))
-                      : fmt::format("there is no clip '{}'; did you mean '{}'?", name, nearest));
-}
-
-int checked_frame(const GraphClip& clip, std::string_view text) {
-  int frame = -1;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), frame);
-  if (error != std::errc() || end != text.data() + text.size() || frame < 0 || frame >= clip.frame_count) {
-    throw InvalidArgument(
-        fmt::format("clip '{}' has frames 0 to {}, asked for '{}'", clip.name, clip.frame_count - 1, text));
+std::vector<Transition> in_force(const std::vector<GraphEdge>& edges) {
+  std::vector<Transition> transitions;
+  for (const GraphEdge& edge : edges) {
+    if (edge.state == GraphEdge::State::in_force) transitions.push_back(edge.transition);
   }
-  return frame;
+  return transitions;
+}
+
+void prune(const SurfaceMotionGraph& graph, std::vector<GraphEdge>& edges) {
+  std::vector<int> frame_counts;
+  for (const GraphClip& clip : graph.clips) frame_counts.push_back(clip.frame_count);
+  const GraphComponents components = find_components(frame_counts, in_force(edges));
+  std::size_t i = 0;
+  for (GraphEdge& edge : edges) {
+    if (edge.state != GraphEdge::State::in_force) continue;
+    const bool is_end =
+        !components.goes_on[i] || (graph.pruning == Pruning::both_ends && !components.comes_from[i]);
+    ++i;
+    if (is_end && edge.origin == GraphEdge::Origin::found) edge.state = GraphEdge::State::pruned;
+  }
 }
 
 }  // namespace
 
 bool SurfaceMotionGraph::is_removed(const Transition& transition) const {
-  const std::string& source = clips.at(transition.source_clip).name;
-  const std::string& target = clips.at(transition.target_clip).name;
-  return std::ranges::any_of(removed, [&](const RemovedEdge& edge) {
-    if (edge.source_clip != source || edge.target_clip != target) return false;
-    if (edge.m < 0) return true;
-    // Transitions of a pair lie at least `separation` apart, so this means one of them, also when it has
-    // moved a little.
-    return std::abs(edge.m - transition.m) < options.separation &&
-           std::abs(edge.n - transition.n) < options.separation;
+  return std::ranges::any_of(removed,
+                             [&](const EdgePattern& pattern) { return matches(pattern, transition, *this); });
+}
+
+std::vector<GraphEdge> SurfaceMotionGraph::edges() const {
+  std::vector<GraphEdge> edges;
+  std::set<std::tuple<std::size_t, int, std::size_t, int>> places;
+  const auto take = [&](const std::vector<Transition>& list, GraphEdge::Origin origin) {
+    for (const Transition& t : list) {
+      if (places.emplace(t.source_clip, t.m, t.target_clip, t.n).second)
+        edges.push_back({.transition = t, .origin = origin});
+    }
+  };
+  take(added, GraphEdge::Origin::added);
+  take(kept, GraphEdge::Origin::kept);
+  take(transitions, GraphEdge::Origin::found);
+  std::ranges::stable_sort(edges, {}, [](const GraphEdge& edge) {
+    return std::tuple(edge.transition.source_clip, edge.transition.target_clip, edge.transition.cost);
   });
+  for (GraphEdge& edge : edges) {
+    if (edge.origin == GraphEdge::Origin::found && is_removed(edge.transition))
+      edge.state = GraphEdge::State::removed;
+  }
+  if (pruning != Pruning::none) prune(*this, edges);
+  return edges;
 }
 
 std::vector<Transition> SurfaceMotionGraph::active_transitions() const {
-  std::vector<Transition> active;
-  std::ranges::copy_if(transitions, std::back_inserter(active),
-                       [this](const Transition& transition) { return !is_removed(transition); });
-  return active;
-}
-
-RemovedEdge parse_edge(const std::string& text, const SurfaceMotionGraph& graph) {
-  constexpr std::string_view arrow = "->";
-  // A name may hold an arrow of its own: take the arrow that leaves a known clip on both sides, or else the
-  // first.
-  const std::size_t first = text.find(arrow);
-  if (first == std::string::npos) {
-    throw InvalidArgument(fmt::format("'{}' is not an edge: expected CLIP->CLIP or CLIP:M->CLIP:N", text));
-  }
-  std::size_t split = first;
-  for (std::size_t at = first; at != std::string::npos; at = text.find(arrow, at + 1)) {
-    const std::string_view view = text;
-    if (find_clip(graph, parse_end(view.substr(0, at)).clip) != nullptr &&
-        find_clip(graph, parse_end(view.substr(at + arrow.size())).clip) != nullptr) {
-      split = at;
-      break;
-    }
-  }
-  const EdgeEnd source = parse_end(std::string_view(text).substr(0, split));
-  const EdgeEnd target = parse_end(std::string_view(text).substr(split + arrow.size()));
-  const GraphClip& source_clip = checked_clip(graph, source.clip);
-  const GraphClip& target_clip = checked_clip(graph, target.clip);
-  if (source.frame.has_value() != target.frame.has_value()) {
-    throw InvalidArgument(
-        fmt::format("'{}' names a frame of one clip only: expected CLIP->CLIP for all transitions, or "
-                    "CLIP:M->CLIP:N for one",
-                    text));
-  }
-  RemovedEdge edge{.source_clip = source.clip, .target_clip = target.clip};
-  if (source.frame) {
-    edge.m = checked_frame(source_clip, *source.frame);
-    edge.n = checked_frame(target_clip, *target.frame);
-  }
-  return edge;
-}
-
-std::string to_string(const Transition& transition, const SurfaceMotionGraph& graph) {
-  return fmt::format("{}:{}->{}:{}", graph.clips.at(transition.source_clip).name, transition.m,
-                     graph.clips.at(transition.target_clip).name, transition.n);
+  return in_force(edges());
 }
 
 SurfaceMotionGraph build_graph(const PerformanceDatabase& database, std::string metric,
@@ -138,6 +89,7 @@ SurfaceMotionGraph build_graph(const PerformanceDatabase& database, std::string 
   }
   graph.transitions = std::move(transitions);
   graph.options = options;
+  graph.captured_acceleration = captured_acceleration(database);
   return graph;
 }
 

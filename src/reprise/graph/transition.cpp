@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "reprise/core/error.h"
 #include "reprise/core/parallel.h"
@@ -16,21 +15,6 @@
 
 namespace reprise {
 namespace {
-
-void check_matrix_fits(const PerformanceDatabase& database, const DissimilarityMatrix& matrix) {
-  if (matrix.clip_names() != database.clip_names()) {
-    throw InvalidArgument(fmt::format("the dissimilarity matrix is of the clips {}, the database has {}",
-                                      fmt::join(matrix.clip_names(), ", "),
-                                      fmt::join(database.clip_names(), ", ")));
-  }
-  for (std::size_t c = 0; c < database.clips().size(); ++c) {
-    if (matrix.clip_frame_counts()[c] != database.clip(c).frame_count()) {
-      throw InvalidArgument(fmt::format(
-          "clip '{}' has {} frames in the dissimilarity matrix and {} in the database",
-          database.clip(c).name(), matrix.clip_frame_counts()[c], database.clip(c).frame_count()));
-    }
-  }
-}
 
 // Both directions of a pair of clips are one piece of work: they read and refine the same entries.
 struct ClipPair {
@@ -96,6 +80,10 @@ void validate(const TransitionOptions& options) {
   if (!(options.acceleration_weight >= 0.0) || std::isinf(options.acceleration_weight)) {
     throw InvalidArgument(
         fmt::format("acceleration_weight is {}, expected a number from 0", options.acceleration_weight));
+  }
+  if (!(options.max_pop_ratio > 0.0)) {
+    throw InvalidArgument(
+        fmt::format("max_pop_ratio is {}, expected a number above 0", options.max_pop_ratio));
   }
 }
 

@@ -33,10 +33,11 @@ struct Transition {
   int n = 0;                           // centre frame in the target
   int half_window = 1;                 // L >= 1
   GroundTransform source_from_target;  // brings the target clip onto the source clip at (m, n)
-  double distortion = 0.0;             // Eq. 3: weighted sum of dissimilarities over the window
-  double peak_acceleration =
-      0.0;            // largest vertex acceleration inside the window when blended linearly, m/frame^2
-  double cost = 0.0;  // what the criterion minimised, and C_tran of a path (Eq. 8)
+  double distortion = 0.0;             // Eq. 3: weighted sum of dissimilarities over the window, metres
+  // Largest acceleration of a sampled vertex inside the window when blended linearly, m/frame^2.
+  double peak_acceleration = 0.0;
+  // What the criterion minimised, and C_tran of a path (Eq. 8): metres, as the metric's dissimilarities.
+  double cost = 0.0;
 
   int leave() const { return m - half_window; }   // last pure source frame
   int arrive() const { return n + half_window; }  // first pure target frame
@@ -45,8 +46,7 @@ struct Transition {
 // How the window L is chosen and candidates are ranked.
 enum class WindowCriterion {
   // Mean weighted dissimilarity of the window (metres) plus `acceleration_weight` times the peak vertex
-  // acceleration of
-  // the blend: trades distortion against how fast the blend must move the surface.
+  // acceleration of the blend: trades distortion against how fast the blend must move the surface.
   blend_speed,
   // Eq. 5 literally: the weighted sum, which always prefers the shortest window.
   paper_sum,
@@ -63,6 +63,10 @@ struct TransitionOptions {
       4.0;  // frames^2, see WindowCriterion::blend_speed; chosen in docs/transitions.md
   BlendProfile profile = BlendProfile::smooth;
   int sample_vertices = 400;  // vertices (farthest-point samples) on which accelerations are measured
+  // A window whose peak acceleration is above this many times `captured_acceleration` is none: a longer one
+  // is taken, or the transition left out, rather than a pop be seen (docs/transitions.md). Infinite: no
+  // limit. A capture without acceleration sets none.
+  double max_pop_ratio = 1.2;
 };
 
 // Throws `InvalidArgument` naming the option that is out of range.

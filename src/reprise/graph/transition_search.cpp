@@ -8,6 +8,7 @@
 #include <limits>
 #include <tuple>
 
+#include "reprise/graph/captured_acceleration.h"
 #include "reprise/graph/vertex_samples.h"
 
 namespace reprise {
@@ -29,6 +30,12 @@ TransitionSearch::TransitionSearch(const PerformanceDatabase& searched_database,
       options(search_options),
       alignment(searched_database),
       peak_counts(options.criterion == WindowCriterion::blend_speed && options.acceleration_weight > 0.0) {
+  // Relative to what the capture itself reaches: the same for a slow performer and a quick one. One that does
+  // not move at all says nothing.
+  const double captured = std::isinf(options.max_pop_ratio) ? 0.0 : captured_acceleration(database);
+  const double max_peak = captured > 0.0 ? options.max_pop_ratio * captured : infinity;
+  max_square_peak = static_cast<float>(max_peak * max_peak);
+  peak_matters = peak_counts || std::isfinite(max_square_peak);
   std::size_t longest = 0;
   for (const MeshSequence& clip : database.clips()) longest = std::max(longest, clip.frame_count());
   const int max_half_window = std::min(options.max_half_window, static_cast<int>(longest) / 2);
@@ -64,13 +71,13 @@ std::vector<Transition> PairSearch::run() {
       windows_.erase(key(p));
       continue;
     }
-    if (candidate.stage == Stage::distortion && search_.peak_counts) {
+    if (candidate.stage == Stage::distortion && search_.peak_matters) {
       candidate.stage = Stage::coarse_peak;
       Windows windows;
       candidate.cost = look_coarsely(p, windows);
       // Kept only if it is needed at once: of most pixels it never will be.
       if (is_first(candidate)) windows_.emplace(key(p), std::move(windows));
-      queue_.push(candidate);
+      if (std::isfinite(candidate.cost)) queue_.push(candidate);
       continue;
     }
     const auto [entry, is_new] = windows_.try_emplace(key(p));
@@ -79,6 +86,10 @@ std::vector<Transition> PairSearch::run() {
     candidate.stage = Stage::windows;
     // Dissimilarities may be known better by now.
     const Choice choice = choose(p, windows);
+    if (std::isinf(choice.cost)) {  // every window pops
+      windows_.erase(entry);
+      continue;
+    }
     candidate.cost = choice.cost;
     if (!is_first(candidate)) {
       queue_.push(candidate);
@@ -97,6 +108,15 @@ std::vector<Transition> PairSearch::run() {
     found_.push_back(transition(p, choice, windows));
   }
   return std::move(found_);
+}
+
+std::optional<Transition> PairSearch::measure(Pixel p) {
+  Windows windows;
+  look_coarsely(p, windows);
+  Choice choice = choose(p, windows);
+  if (std::isinf(choice.cost)) return std::nullopt;
+  while (refine_window(p, choice.half_window)) choice = choose(p, windows);
+  return transition(p, choice, windows);
 }
 
 void PairSearch::fill_queue() {
@@ -149,6 +169,7 @@ const std::vector<double>& PairSearch::distortions(Pixel p) {
 }
 
 double PairSearch::cost(int L, double distortion, float square_peak) const {
+  if (square_peak > search_.max_square_peak) return infinity;
   if (options_.criterion == WindowCriterion::paper_sum) return distortion;
   return distortion / search_.weights_of(L).distortion_sum +
          options_.acceleration_weight * std::sqrt(static_cast<double>(square_peak));
@@ -161,19 +182,25 @@ double PairSearch::least_distortion_cost(Pixel p) {
   return least;
 }
 
+float PairSearch::useful_square_peak(double least, int L, double distortion) const {
+  if (!search_.peak_counts) return search_.max_square_peak;
+  const double rest = (least - cost(L, distortion, 0.0F)) / options_.acceleration_weight;
+  return std::min(static_cast<float>(rest * rest), search_.max_square_peak);
+}
+
 double PairSearch::look_coarsely(Pixel p, Windows& windows) {
   windows.source_from_target = search_.alignment.source_from_target(source_clip_, p.m, target_clip_, p.n);
   double least = infinity;
   const std::vector<double>& sums = distortions(p);
   windows.square_peaks.assign(sums.size(), 0.0F);
   windows.states.assign(sums.size(), Peak::coarse);
-  if (!search_.peak_counts) return least_distortion_cost(p);
+  if (!search_.peak_matters) return least_distortion_cost(p);
   blend_.place(p.m, p.n, windows.source_from_target, search_.coarse_count);
   for (std::size_t i = 0; i < sums.size(); ++i) {
     const int L = options_.min_half_window + static_cast<int>(i);
-    const double rest = (least - cost(L, sums[i], 0.0F)) / options_.acceleration_weight;
-    if (rest < 0.0) continue;
-    windows.square_peaks[i] = blend_.square_peak(search_.weights_of(L), static_cast<float>(rest * rest));
+    if (cost(L, sums[i], 0.0F) > least) continue;
+    windows.square_peaks[i] =
+        blend_.square_peak(search_.weights_of(L), useful_square_peak(least, L, sums[i]));
     least = std::min(least, cost(L, sums[i], windows.square_peaks[i]));
   }
   return least;
@@ -195,14 +222,15 @@ PairSearch::Choice PairSearch::choose(Pixel p, Windows& windows) {
       best = i;
     }
     const int L = options_.min_half_window + static_cast<int>(best);
-    if (!search_.peak_counts || windows.states[best] == Peak::exact) return {.half_window = L, .cost = least};
+    if (std::isinf(least) || !search_.peak_matters || windows.states[best] == Peak::exact) {
+      return {.half_window = L, .cost = least};
+    }
     if (!is_placed)
       blend_.place(p.m, p.n, windows.source_from_target, search_.clips[source_clip_].sample_count());
     is_placed = true;
     // Cut short once it is no longer the best; not twice, as rounding might let it seem the best again.
-    const double rest = (least_exact - cost(L, sums[best], 0.0F)) / options_.acceleration_weight;
-    const bool may_cut = windows.states[best] == Peak::coarse && std::isfinite(rest);
-    const float limit = may_cut ? static_cast<float>(rest * rest) : std::numeric_limits<float>::infinity();
+    const float limit = windows.states[best] == Peak::coarse ? useful_square_peak(least_exact, L, sums[best])
+                                                             : std::numeric_limits<float>::infinity();
     const float found = blend_.square_peak(search_.weights_of(L), limit);
     windows.square_peaks[best] = std::max(windows.square_peaks[best], found);
     windows.states[best] = found > limit ? Peak::cut : Peak::exact;

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <queue>
 #include <tuple>
 #include <unordered_map>
@@ -37,18 +38,25 @@ struct TransitionSearch {
   Eigen::Index coarse_count = 0;  // first samples, enough for a good lower bound of the peak acceleration
   std::size_t batch_size = 1;     // entries made exact at a time
   bool peak_counts = true;        // in the cost
+  float max_square_peak = 0.0F;   // of an admissible window
+  bool peak_matters = true;       // in the cost or as a limit
 };
 
 // Best first: every pixel that may be a local minimum stands in a queue at a lower bound of its cost. The
 // least is looked at more closely, in this order: the dissimilarities of its windows by their bounds; peak
 // accelerations of a few samples; of all; whether it is a local minimum, which makes entries exact; the
 // window that costs least, likewise. What is still first after all that is the next transition. What lies too
-// near to a transition found before can only cost more and is dropped unseen.
+// near to a transition found before can only cost more and is dropped unseen. A window whose peak is above
+// the limit costs infinitely much: so do bounds of it that are.
 class PairSearch {
  public:
   PairSearch(const TransitionSearch& search, std::size_t source_clip, std::size_t target_clip);
 
   std::vector<Transition> run();
+
+  // What `run` would find at p, were it a minimum; nothing if every window pops. Requires that the shortest
+  // window fits there.
+  std::optional<Transition> measure(Pixel p);
 
  private:
   enum class Stage : std::uint8_t { distortion, coarse_peak, windows };
@@ -82,6 +90,8 @@ class PairSearch {
   const std::vector<double>& distortions(Pixel p);
   double cost(int L, double distortion, float square_peak) const;
   double least_distortion_cost(Pixel p);
+  // Square of the peak above which a window cannot cost less than `least`.
+  float useful_square_peak(double least, int L, double distortion) const;
   // Peaks of the first samples; returns the least cost they allow.
   double look_coarsely(Pixel p, Windows& windows);
   // The window of least cost as far as dissimilarities are known; its peak is exact.

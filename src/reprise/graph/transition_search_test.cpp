@@ -14,6 +14,7 @@
 #include <tbb/global_control.h>
 
 #include "reprise/core/error.h"
+#include "reprise/graph/captured_acceleration.h"
 #include "reprise/graph/transition_test_support.h"
 
 namespace reprise {
@@ -73,6 +74,7 @@ std::vector<Transition> transitions_by_definition(const PerformanceDatabase& dat
                                                   const DissimilarityMatrix& matrix,
                                                   const TransitionOptions& options) {
   std::vector<Transition> result;
+  const double max_peak = options.max_pop_ratio * captured_acceleration(database);
   for (std::size_t source = 0; source < database.clips().size(); ++source) {
     for (std::size_t target = 0; target < database.clips().size(); ++target) {
       std::map<int, Transition> of_plateau;
@@ -91,11 +93,11 @@ std::vector<Transition> transitions_by_definition(const PerformanceDatabase& dat
         for (int L = options.min_half_window; L <= std::min(options.max_half_window, test::room(database, t));
              ++L) {
           const test::Window window = test::window_by_definition(database, matrix, t, L, options);
-          if (window.cost >= t.cost) continue;
+          if (window.cost >= t.cost || window.peak > max_peak) continue;
           t.half_window = L;
           t.cost = window.cost;
         }
-        ranked.push_back(t);
+        if (std::isfinite(t.cost)) ranked.push_back(t);
       }
       std::ranges::sort(ranked, {}, [](const Transition& t) { return std::tuple(t.cost, t.m, t.n); });
       std::vector<Transition> kept;
@@ -192,7 +194,9 @@ std::vector<TransitionOptions> kinds_of_options() {
           {.transitions_per_pair = 50, .max_half_window = 6, .separation = 3, .sample_vertices = 20},
           {.criterion = WindowCriterion::paper_sum, .sample_vertices = 60},
           {.min_half_window = 1, .self_min_gap = 1, .acceleration_weight = 0.0, .sample_vertices = 60},
-          {.acceleration_weight = 0.1, .profile = BlendProfile::linear, .sample_vertices = 60}};
+          {.acceleration_weight = 0.1, .profile = BlendProfile::linear, .sample_vertices = 60},
+          {.transitions_per_pair = 9, .sample_vertices = 60, .max_pop_ratio = 0.8},
+          {.criterion = WindowCriterion::paper_sum, .sample_vertices = 60, .max_pop_ratio = 0.7}};
 }
 
 TEST(TransitionSearch, FollowsItsDefinition) {

@@ -5,6 +5,8 @@
 
 #pragma once
 
+#include <memory>
+
 #include <Eigen/Core>
 #include <tl/expected.hpp>
 
@@ -34,10 +36,20 @@ class PathMetrics {
   }
   // Metres along the ground through the blend of a transition, from its leave() to its arrive().
   double blend_distance(std::size_t transition_idx) const { return blend_distances_[transition_idx]; }
+  // Ground centres of a clip, (x, z) in metres per frame.
+  const std::vector<Eigen::Vector2d>& trajectory(std::size_t clip_idx) const {
+    return trajectories_[clip_idx];
+  }
+  // Ground centre at frame k in [-L, L] of a transition's blend, in the source clip's coordinates.
+  Eigen::Vector2d blend_center(std::size_t transition_idx, int k) const;
+  // The same without the transitions marked (one mark each).
+  PathMetrics without(const std::vector<bool>& transitions) const;
 
  private:
+  std::vector<std::vector<Eigen::Vector2d>> trajectories_;
   std::vector<std::vector<double>> cumulative_;
   std::vector<Transition> transitions_;
+  BlendProfile profile_;
   std::vector<double> blend_distances_;
   double frames_per_second_;
 };
@@ -48,19 +60,43 @@ class PathMetrics {
 // Method: best-first search over labels (decision frame, key-frames shown, frames elapsed, distance, cost). A
 // label is dropped if another with the same first three has cost lower by at least w_dist times their
 // difference in distance: whatever follows, it cannot do worse. What follows is bounded by tables, over
-// frames elapsed, of the least transition cost plus multiplier times distance, for several multipliers
+// frames to go, of the least transition cost plus multiplier times distance, for several multipliers
 // between -w_dist and w_dist. A consecutive pair of equal key-frames asks for a loop: a key-frame must be
 // shown strictly later than the one before it.
+//
+// Hard limits on distance are met by steeper slopes outside of them: an optimum of that problem that keeps
+// the limits is the optimum of the limited one. A query with a goal or a route goes to `find_ground_path`
+// (ground_search.h), whose gap may be greater than zero.
 //
 // Costs that differ by less than 1e-9 count as equal; then the gap is exactly 0. With w_time = 0 time is
 // ignored; with a w_time > 0 so small that walks of any length compete (tables of over 4 million cells) the
 // path is the optimum for w_time = 0, and its gap says what that may have lost. One thread; the same query
 // gives the same path.
 //
-// Throws `InvalidArgument` for fewer than two key-frames, a frame out of range, a target or weight that is
-// negative or not finite, or names that are not one a clip; `Cancelled` if the user asks to stop.
+// Throws `InvalidArgument` for fewer than two key-frames, a frame out of range, a target, limit or weight
+// that is negative or not a number, limits that contradict each other, a clip that is both compulsory and
+// forbidden, a key-frame in a forbidden clip, or names that are not one a clip; `Cancelled` if the user asks
+// to stop.
 tl::expected<MotionPath, NoPath> find_keyframe_path(const PathMetrics& metrics, const KeyframeQuery& query,
                                                     const KeyframeOptions& options,
                                                     const std::vector<std::string>& clip_names);
+
+// The same for many targets of one query: what targets share is made once. Thread-safe.
+class KeyframeOptimizer {
+ public:
+  // `query`: its targets are ignored; a goal or a route is refused. `longest_time`: the greatest target that
+  // will be asked for, seconds (others take longer to find). Keeps a reference to `metrics`.
+  KeyframeOptimizer(const PathMetrics& metrics, KeyframeQuery query, const KeyframeOptions& options,
+                    const std::vector<std::string>& clip_names, double longest_time);
+  ~KeyframeOptimizer();
+  KeyframeOptimizer(KeyframeOptimizer&&) noexcept;
+
+  // `find_keyframe_path` with these targets (metres, seconds): an optimum of the same cost.
+  tl::expected<MotionPath, NoPath> find(double distance, double time) const;
+
+ private:
+  struct Shared;
+  std::unique_ptr<const Shared> shared_;
+};
 
 }  // namespace reprise

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <tuple>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -19,12 +18,29 @@ int frame_of(const FrameId& keyframe) {
   return static_cast<int>(keyframe.frame_idx);
 }
 
+// Indices of the transitions that touch no forbidden clip, for each source clip.
+std::vector<std::vector<std::size_t>> allowed_transitions(const PathMetrics& metrics,
+                                                          const std::vector<std::size_t>& forbidden_clips) {
+  std::vector<std::vector<std::size_t>> leaving(metrics.clip_count());
+  const auto forbidden = [&](std::size_t clip_idx) {
+    return std::ranges::count(forbidden_clips, clip_idx) > 0;
+  };
+  for (std::size_t i = 0; i < metrics.transitions().size(); ++i) {
+    const Transition& transition = metrics.transitions()[i];
+    if (forbidden(transition.source_clip) || forbidden(transition.target_clip)) continue;
+    leaving[transition.source_clip].push_back(i);
+  }
+  return leaving;
+}
+
 // Frames of each clip at which a walk has something to decide, ascending.
 std::vector<std::vector<int>> decision_frames(const PathMetrics& metrics,
+                                              const std::vector<std::vector<std::size_t>>& leaving,
                                               const std::vector<FrameId>& keyframes) {
   std::vector<std::vector<int>> frames(metrics.clip_count());
-  for (const Transition& transition : metrics.transitions()) {
-    frames[transition.source_clip].push_back(transition.leave());
+  for (std::size_t clip_idx = 0; clip_idx < leaving.size(); ++clip_idx) {
+    for (const std::size_t i : leaving[clip_idx])
+      frames[clip_idx].push_back(metrics.transitions()[i].leave());
   }
   for (const FrameId& keyframe : keyframes) frames[keyframe.clip_idx].push_back(frame_of(keyframe));
   for (std::vector<int>& of_clip : frames) {
@@ -100,24 +116,33 @@ StateGraph pruned(std::size_t node_count, const std::vector<RawEdge>& raw) {
 // at g_i <= a_i: true for i = 0, and if g_{i-1} <= a_{i-1} < a_i, then key-frame i is met at a_i > g_{i-1} at
 // the latest, so g_i <= a_i. Hence a walk that is valid at all is valid with the greedy choice. Only the last
 // key-frame is a choice: the path may end there or pass it and come back, so it gets an edge of each kind.
-StateGraph build_state_graph(const PathMetrics& metrics, const std::vector<FrameId>& keyframes) {
-  const std::vector<std::vector<int>> frames = decision_frames(metrics, keyframes);
+//
+// Compulsory clips likewise: a clip counts as shown once the walk has come to it.
+StateGraph build_state_graph(const PathMetrics& metrics, const KeyframeQuery& query) {
+  const std::vector<FrameId>& keyframes = query.keyframes;
+  const std::vector<std::vector<std::size_t>> leaving = allowed_transitions(metrics, query.forbidden_clips);
+  const std::vector<std::vector<int>> frames = decision_frames(metrics, leaving, keyframes);
   const std::size_t last = keyframes.size() - 1;
-  std::vector<std::vector<std::size_t>> leaving(metrics.clip_count());
-  for (std::size_t i = 0; i < metrics.transitions().size(); ++i) {
-    leaving[metrics.transitions()[i].source_clip].push_back(i);
-  }
+  const auto with_clip = [&](std::uint32_t clips, std::size_t clip_idx) {
+    for (std::size_t i = 0; i < query.compulsory_clips.size(); ++i) {
+      if (query.compulsory_clips[i] == clip_idx) clips |= std::uint32_t{1} << i;
+    }
+    return clips;
+  };
+  std::uint32_t all_clips = 0;
+  for (const std::size_t clip_idx : query.compulsory_clips) all_clips = with_clip(all_clips, clip_idx);
 
   struct Node {
     std::size_t shown = 1;
+    std::uint32_t clips = 0;  // compulsory ones shown, one bit each
     std::size_t clip_idx = 0;
     std::size_t position = 0;  // in `frames` of the clip
+    auto operator<=>(const Node&) const = default;
   };
   std::vector<Node> nodes;
-  std::map<std::tuple<std::size_t, std::size_t, std::size_t>, std::int32_t> node_from_state;
+  std::map<Node, std::int32_t> idx_from_node;
   const auto node_idx = [&](const Node& node) {
-    const auto [found, inserted] = node_from_state.try_emplace({node.shown, node.clip_idx, node.position},
-                                                               static_cast<std::int32_t>(nodes.size()));
+    const auto [found, inserted] = idx_from_node.try_emplace(node, static_cast<std::int32_t>(nodes.size()));
     if (inserted) nodes.push_back(node);
     return found->second;
   };
@@ -132,7 +157,10 @@ StateGraph build_state_graph(const PathMetrics& metrics, const std::vector<Frame
   // one.
   const auto add_edge = [&](std::int32_t source, std::size_t clip_idx, int frame, int first_target,
                             StateEdge edge) {
-    Node target{nodes[static_cast<std::size_t>(source)].shown, clip_idx, position_of(clip_idx, first_target)};
+    Node target = nodes[static_cast<std::size_t>(source)];
+    target.clips = with_clip(target.clips, clip_idx);
+    target.clip_idx = clip_idx;
+    target.position = position_of(clip_idx, first_target);
     if (target.position == frames[clip_idx].size()) return;  // nothing but the end of the clip ahead
     const int target_frame = frames[clip_idx][target.position];
     edge.steps += target_frame - frame;
@@ -141,8 +169,10 @@ StateGraph build_state_graph(const PathMetrics& metrics, const std::vector<Frame
     const FrameId due = keyframes[std::min(target.shown, last)];
     if (due.clip_idx == clip_idx && frame_of(due) == target_frame) {
       if (target.shown == last) {
-        edge.target = end_of_path;
-        raw.push_back({source, edge});
+        if (target.clips == all_clips) {
+          edge.target = end_of_path;
+          raw.push_back({source, edge});
+        }
       } else {
         ++target.shown;
       }
@@ -151,7 +181,8 @@ StateGraph build_state_graph(const PathMetrics& metrics, const std::vector<Frame
     raw.push_back({source, edge});
   };
 
-  node_idx({1, keyframes[0].clip_idx, position_of(keyframes[0].clip_idx, frame_of(keyframes[0]))});
+  node_idx({1, with_clip(0, keyframes[0].clip_idx), keyframes[0].clip_idx,
+            position_of(keyframes[0].clip_idx, frame_of(keyframes[0]))});
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const Node node = nodes[i];
     const auto source = static_cast<std::int32_t>(i);
@@ -232,39 +263,62 @@ std::string missing_arrival(const PathMetrics& metrics, const FrameId& to, const
       frame_of(to), earliest);
 }
 
+// Why key-frame `position` + 1 cannot be reached from the one before it; empty if it can.
+std::string explain_pair(const PathMetrics& metrics, const FrameId& from, const FrameId& to,
+                         std::size_t position, const std::vector<std::string>& clip_names) {
+  const std::vector<int> entry = earliest_entries(metrics, from);
+  const bool ahead = from.clip_idx == to.clip_idx && frame_of(to) > frame_of(from);
+  if (ahead || entry[to.clip_idx] <= frame_of(to)) return {};
+
+  const std::vector<int> departure = latest_departures(metrics, to);
+  std::vector<std::string> reached, leading;
+  for (std::size_t clip_idx = 0; clip_idx < metrics.clip_count(); ++clip_idx) {
+    const int earliest =
+        clip_idx == from.clip_idx ? std::min(entry[clip_idx], frame_of(from)) : entry[clip_idx];
+    if (earliest != never)
+      reached.push_back(fmt::format("'{}' from frame {}", clip_names[clip_idx], earliest));
+    if (departure[clip_idx] >= 0) {
+      leading.push_back(fmt::format("'{}' up to frame {}", clip_names[clip_idx], departure[clip_idx]));
+    }
+  }
+  std::string missing = missing_departure(metrics, from, clip_names[from.clip_idx]) +
+                        missing_arrival(metrics, to, clip_names[to.clip_idx]);
+  if (missing.empty()) missing = "; no transition joins the one to the other";
+  return fmt::format(
+      "key-frame {} ({}:{}) cannot be reached from key-frame {} ({}:{}): the first leads to {}; the second "
+      "is reached "
+      "from {}{}",
+      position + 2, clip_names[to.clip_idx], to.frame_idx, position + 1, clip_names[from.clip_idx],
+      from.frame_idx, fmt::join(reached, ", "), fmt::join(leading, ", "), missing);
+}
+
 }  // namespace
 
-std::string explain_no_path(const PathMetrics& metrics, const std::vector<FrameId>& keyframes,
+std::string explain_no_path(const PathMetrics& metrics, const KeyframeQuery& query,
                             const std::vector<std::string>& clip_names) {
-  for (std::size_t i = 0; i + 1 < keyframes.size(); ++i) {
-    const FrameId& from = keyframes[i];
-    const FrameId& to = keyframes[i + 1];
-    const std::vector<int> entry = earliest_entries(metrics, from);
-    const bool ahead = from.clip_idx == to.clip_idx && frame_of(to) > frame_of(from);
-    if (ahead || entry[to.clip_idx] <= frame_of(to)) continue;
-
-    const std::vector<int> departure = latest_departures(metrics, to);
-    std::vector<std::string> reached, leading;
-    for (std::size_t clip_idx = 0; clip_idx < metrics.clip_count(); ++clip_idx) {
-      const int earliest =
-          clip_idx == from.clip_idx ? std::min(entry[clip_idx], frame_of(from)) : entry[clip_idx];
-      if (earliest != never)
-        reached.push_back(fmt::format("'{}' from frame {}", clip_names[clip_idx], earliest));
-      if (departure[clip_idx] >= 0) {
-        leading.push_back(fmt::format("'{}' up to frame {}", clip_names[clip_idx], departure[clip_idx]));
-      }
-    }
-    std::string missing = missing_departure(metrics, from, clip_names[from.clip_idx]) +
-                          missing_arrival(metrics, to, clip_names[to.clip_idx]);
-    if (missing.empty()) missing = "; no transition joins the one to the other";
-    return fmt::format(
-        "key-frame {} ({}:{}) cannot be reached from key-frame {} ({}:{}): the first leads to {}; the second "
-        "is reached "
-        "from {}{}",
-        i + 2, clip_names[to.clip_idx], to.frame_idx, i + 1, clip_names[from.clip_idx], from.frame_idx,
-        fmt::join(reached, ", "), fmt::join(leading, ", "), missing);
+  std::vector<bool> barred(metrics.transitions().size(), true);
+  for (const std::vector<std::size_t>& allowed : allowed_transitions(metrics, query.forbidden_clips)) {
+    for (const std::size_t i : allowed) barred[i] = false;
   }
-  return "the graph has no path through the key-frames";
+  const PathMetrics open = metrics.without(barred);
+  const std::string without_forbidden = query.forbidden_clips.empty() ? "" : " without the forbidden clips";
+  for (std::size_t i = 0; i + 1 < query.keyframes.size(); ++i) {
+    const std::string reason = explain_pair(open, query.keyframes[i], query.keyframes[i + 1], i, clip_names);
+    if (!reason.empty()) return reason + without_forbidden;
+  }
+  for (const std::size_t clip_idx : query.compulsory_clips) {
+    KeyframeQuery alone = query;
+    alone.compulsory_clips = {clip_idx};
+    if (build_state_graph(metrics, alone).empty()) {
+      return fmt::format("no path through the key-frames shows the compulsory clip '{}'{}",
+                         clip_names[clip_idx], without_forbidden);
+    }
+  }
+  if (query.compulsory_clips.size() > 1) {
+    return fmt::format("no path through the key-frames shows all of the compulsory clips{}",
+                       without_forbidden);
+  }
+  return "the graph has no path through the key-frames" + without_forbidden;
 }
 
 }  // namespace reprise::path_detail

@@ -13,9 +13,10 @@
 
 namespace reprise::path_detail {
 
-// A node is (key-frames shown, clip, frame) at frames where something can be decided: a transition leaves, or
-// a key-frame is shown. An edge plays on to the next such frame of the clip, or takes a transition and plays
-// on from its arrival. Every edge lasts at least one frame, so steps order the nodes of a walk.
+// A node is (key-frames shown, compulsory clips shown, clip, frame) at frames where something can be decided:
+// a transition leaves, or a key-frame is shown. An edge plays on to the next such frame of the clip, or takes
+// a transition and plays on from its arrival. Every edge lasts at least one frame, so steps order the nodes
+// of a walk.
 struct StateEdge {
   std::int32_t target = 0;
   std::int32_t steps = 0;        // frames after the source, the target's frame included
@@ -37,12 +38,13 @@ struct StateGraph {
   std::int32_t end() const { return node_count() - 1; }
 };
 
-// Preconditions: at least two key-frames, all inside their clips.
-StateGraph build_state_graph(const PathMetrics& metrics, const std::vector<FrameId>& keyframes);
+// Of the query: key-frames, forbidden and compulsory clips. Preconditions: at least two key-frames, all
+// inside their clips and none in a forbidden one; at most `most_compulsory_clips`.
+inline constexpr std::size_t most_compulsory_clips = 8;
+StateGraph build_state_graph(const PathMetrics& metrics, const KeyframeQuery& query);
 
-// Says which consecutive pair of key-frames has no path between them and what the graph lacks. Precondition:
-// there is such a pair.
-std::string explain_no_path(const PathMetrics& metrics, const std::vector<FrameId>& keyframes,
+// Says what of the query has no path and what the graph lacks. Precondition: its state graph is empty.
+std::string explain_no_path(const PathMetrics& metrics, const KeyframeQuery& query,
                             const std::vector<std::string>& clip_names);
 
 }  // namespace reprise::path_detail

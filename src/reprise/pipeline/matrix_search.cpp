@@ -300,6 +300,25 @@ std::vector<Transition> MatrixSearch::find(const PerformanceDatabase& database,
   return transitions;
 }
 
+void MatrixSearch::decide(const PerformanceDatabase& database, const TransitionOptions& options,
+                          std::span<const TransitionRequest> requests) {
+  std::mutex mutex;
+  bool is_new = false;
+  const auto exact_entry = [&](std::size_t a, std::size_t b) {
+    throw_if_interrupted();
+    SearchStatistics statistics;
+    const MatrixEntry entry = metric_.exact(a, b, statistics);
+    const std::scoped_lock lock(mutex);
+    statistics_ += statistics;
+    is_new = true;
+    return entry;
+  };
+  for (const TransitionRequest& request : requests) {
+    (void)measure_transition(database, matrix_, exact_entry, request, options);
+  }
+  if (is_new) store_.save(matrix_);
+}
+
 SearchStatistics MatrixSearch::statistics() const {
   SearchStatistics sum;
   for (const std::vector<std::byte>& part : Ranks::all_gather(std::as_bytes(std::span(&statistics_, 1)))) {

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "reprise/graph/transition.h"
+#include "reprise/graph/measure_transition.h"
 #include "reprise/pipeline/matrix_store.h"
 #include "reprise/similarity/shape_color_metric.h"
 
@@ -44,6 +44,10 @@ class MatrixSearch {
   // from the same matrix was given before it was stopped.
   std::vector<Transition> find(const PerformanceDatabase& database, const TransitionOptions& options,
                                std::span<const PairEntry> found);
+
+  // Makes exact what transitions asked for by hand depend on. Every rank does it alone.
+  void decide(const PerformanceDatabase& database, const TransitionOptions& options,
+              std::span<const TransitionRequest> requests);
 
   // Of all ranks together. All ranks must call it.
   SearchStatistics statistics() const;

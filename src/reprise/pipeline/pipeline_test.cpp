@@ -160,19 +160,6 @@ class WholeWay : public ::testing::Test {
   SurfaceMotionGraph graph_ = make_graph(database_, similarity_, {}, std::nullopt);
 };
 
-TEST_F(WholeWay, RemovalsSurviveRecomputationAndCanBeTakenBack) {
-  const SurfaceMotionGraph cut = make_graph(database_, similarity_, {.remove = {"slow->fast"}}, graph_);
-  EXPECT_LT(cut.active_transitions().size(), graph_.active_transitions().size());
-  const SurfaceMotionGraph again = make_graph(database_, similarity_, {}, cut);
-  EXPECT_EQ(again.removed, cut.removed);
-  const SurfaceMotionGraph restored = make_graph(database_, similarity_, {.restore = {"slow->fast"}}, again);
-  EXPECT_EQ(restored.active_transitions().size(), graph_.active_transitions().size());
-  EXPECT_THAT([&] { make_graph(database_, similarity_, {.restore = {"fast->slow"}}, graph_); },
-              ThrowsMessage<InvalidArgument>(HasSubstr("was not removed")));
-  EXPECT_THAT([&] { make_graph(database_, similarity_, {.remove = {"slwo->fast"}}, graph_); },
-              ThrowsMessage<InvalidArgument>(HasSubstr("'slow'")));
-}
-
 TEST_F(WholeWay, QueryBecomesTheAnimationTheReportDescribes) {
   const KeyframesOptions options{.keyframes = {"slow:3", "fast:50"}, .distance = 6.0, .time = 5.0};
   const auto result = run_keyframes(database_, graph_, options);

@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstring>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -14,6 +16,7 @@
 #include "reprise/core/error.h"
 #include "reprise/core/hash.h"
 #include "reprise/core/progress.h"
+#include "reprise/core/ranks.h"
 #include "reprise/core/text.h"
 #include "reprise/pipeline/matrix_search.h"
 #include "reprise/pipeline/matrix_store.h"
@@ -102,15 +105,27 @@ void compute_closed_form(const PerformanceDatabase& database, const SimilarityOp
   result.transitions = find_transitions(database, result.matrix, options.transitions);
 }
 
+// They come from a file that another machine may not see; all ranks must work on the same.
+std::vector<TransitionRequest> of_first_rank(const std::vector<TransitionRequest>& own) {
+  if (Ranks::count() == 1) return own;
+  const std::vector<std::byte> bytes = Ranks::all_gather(std::as_bytes(std::span(own))).front();
+  std::vector<TransitionRequest> requests(bytes.size() / sizeof(TransitionRequest));
+  std::memcpy(requests.data(), bytes.data(), bytes.size());
+  return requests;
+}
+
 struct Undecided {};
 
-// The transitions if what is known of the matrix decides them.
+// The transitions if what is known of the matrix decides them, and those asked for by hand.
 std::optional<std::vector<Transition>> decided_transitions(const PerformanceDatabase& database,
                                                            DissimilarityMatrix& matrix,
-                                                           const TransitionOptions& options) {
+                                                           const SimilarityOptions& options) {
+  const auto undecided = [](std::size_t, std::size_t) -> MatrixEntry { throw Undecided(); };
   try {
-    return find_transitions(
-        database, matrix, [](std::size_t, std::size_t) -> MatrixEntry { throw Undecided(); }, options);
+    for (const TransitionRequest& request : options.requests) {
+      (void)measure_transition(database, matrix, undecided, request, options.transitions);
+    }
+    return find_transitions(database, matrix, undecided, options.transitions);
   } catch (const Undecided&) {
     return std::nullopt;
   }
@@ -126,7 +141,7 @@ void compute_bounded(const PerformanceDatabase& database, const SimilarityOption
                                            : result.matrix.unknown_count() == 0;
     // Cutting all frames into voxels takes a while: not before something is known to be missing.
     if (is_complete && found.empty()) {
-      if (auto transitions = decided_transitions(database, result.matrix, options.transitions)) {
+      if (auto transitions = decided_transitions(database, result.matrix, options)) {
         result.transitions = std::move(*transitions);
         result.from_cache = true;
         return;
@@ -146,6 +161,7 @@ void compute_bounded(const PerformanceDatabase& database, const SimilarityOption
     search.bound_all();
   }
   result.transitions = search.find(database, options.transitions, found);
+  search.decide(database, options.transitions, options.requests);
   result.statistics = search.statistics();
 }
 
@@ -166,6 +182,9 @@ SimilarityResult compute_similarity(const PerformanceDatabase& database,
   // Before hours of work, not after.
   (void)database.frames_per_second();
   validate(options.transitions);
+  options.requests = of_first_rank(options.requests);
+  for (const TransitionRequest& request : options.requests)
+    check_request(request, database, options.transitions);
   if (options.metric.starts_with("shape")) validate(options.histogram);
   if (options.metric == "skeleton" && !database.markup()) {
     throw InvalidArgument(fmt::format(

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "reprise/graph/transition.h"
+#include "reprise/graph/measure_transition.h"
 #include "reprise/similarity/bin_grid.h"
 #include "reprise/similarity/dissimilarity_matrix.h"
 #include "reprise/similarity/shape_color_metric.h"
@@ -24,7 +24,8 @@ struct SimilarityOptions {
   HistogramOptions histogram;     // of the metrics shape-colour and shape
   // The transitions that the matrix must decide: entries they cannot depend on may stay bounds.
   TransitionOptions transitions;
-  bool exact = false;     // every entry exact
+  std::vector<TransitionRequest> requests;  // transitions made by hand, which it must decide as well
+  bool exact = false;                       // every entry exact
   bool use_cache = true;  // keep the matrix in DATABASE.cache/ and use or continue one that is there
 };
 
@@ -41,8 +42,8 @@ struct SimilarityResult {
 // options of the metric, so that a stale matrix is never used. What is done is kept every few seconds: a run
 // that was killed continues, to the same result. An unreadable or damaged cache file is computed anew, with a
 // warning. Work is shared over threads and over MPI ranks; the result is the same for any number of either.
-// Throws `InvalidArgument` for an unknown metric (offers the nearest), what `ShapeColorHistograms` throws,
-// and for the metric "skeleton" if the database has no markup (says how to make one).
+// Throws `InvalidArgument` for an unknown metric (offers the nearest), what `ShapeColorHistograms` and
+// `check_request` throw, and for the metric "skeleton" if the database has no markup (says how to make one).
 SimilarityResult compute_similarity(const PerformanceDatabase& database,
                                     const std::filesystem::path& database_path,
                                     const SimilarityOptions& options = {});

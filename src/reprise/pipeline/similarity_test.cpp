@@ -194,5 +194,31 @@ TEST_F(SimilarityStage, SaysWhatIsWrongWithTheQuestion) {
   EXPECT_FALSE(fs::exists(cache()));
 }
 
+TEST_F(SimilarityStage, DecidesTransitionsMadeByHandAndKeepsWhatTheyNeed) {
+  const auto compute_with = [&](std::vector<TransitionRequest> requests) {
+    return compute_similarity(database_, folder_ / "db.reprise",
+                              {.metric = "shape", .histogram = coarse, .requests = std::move(requests)});
+  };
+  // All pairs of frames in some window, one of which at least no transition that was found depends on.
+  std::vector<TransitionRequest> requests;
+  for (int m = 3; m < 19; ++m) {
+    for (int n = 3; n < 15; ++n) {
+      requests.push_back({.source_clip = 0, .target_clip = 1, .m = m, .n = n, .half_window = 1});
+    }
+  }
+  const SimilarityResult without = compute_with({});
+  const SimilarityResult with = compute_with(requests);
+  EXPECT_FALSE(with.from_cache);
+  EXPECT_GT(with.matrix.exact_count(), without.matrix.exact_count());
+  EXPECT_TRUE(compute_with(requests).from_cache);
+  EXPECT_TRUE(compute_with({}).from_cache);
+  for (const TransitionRequest& request : requests) {
+    EXPECT_NO_THROW(measure_transition(database_, with.matrix, request));
+  }
+  EXPECT_THROW(compute_with({{.source_clip = 0, .target_clip = 1, .m = 99, .n = 3}}), InvalidArgument);
+  EXPECT_THROW(compute_with({{.source_clip = 0, .target_clip = 1, .m = 9, .n = 9, .half_window = 10}}),
+               InvalidArgument);
+}
+
 }  // namespace
 }  // namespace reprise

@@ -18,9 +18,6 @@ constexpr double top = 50.0;
 constexpr double step = side + 90.0;
 constexpr double key_width = 105.0;  // beyond the gap after the last panel
 
-// Told apart by people who see no red or no green as well (Okabe and Ito).
-constexpr std::array colors = {"#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#404040"};
-
 }  // namespace
 
 void plot_curves(std::span<const CurvePanel> panels, const std::filesystem::path& png) {
@@ -55,7 +52,7 @@ void plot_curves(std::span<const CurvePanel> panels, const std::filesystem::path
                       : std::string("unset key\n");
     std::string plots;
     const auto style = [&](std::size_t n) {
-      return fmt::format("with lines lw 2.5 lc rgb '{}'", colors[n % colors.size()]);
+      return fmt::format("with lines lw 2.5 lc rgb '{}'", gnuplot_colors[n % gnuplot_colors.size()]);
     };
     for (std::size_t c = 0; c < panels[p].curves.size(); ++c) {
       const Curve& curve = panels[p].curves[c];

@@ -3,6 +3,7 @@
 
 #include "reprise/render/gnuplot.h"
 
+#include <cmath>
 #include <cstdlib>
 
 #include <fmt/format.h>
@@ -30,6 +31,20 @@ std::string gnuplot_canvas(int width, int height, int font_size) {
   return fmt::format(
       "set terminal pngcairo truecolor noenhanced size {},{} font 'DejaVu Sans,{}' background rgb 'white'\n",
       width, height, font_size);
+}
+
+std::string gnuplot_palette() {
+  return "set palette maxcolors 0 defined (0 '#440154', 0.125 '#472d7b', 0.25 '#3b528b', 0.375 '#2c728e', "
+         "0.5 "
+         "'#21918c', 0.625 '#28ae80', 0.75 '#5ec962', 0.875 '#addc30', 1 '#fde725')\n";
+}
+
+double round_step(double least) {
+  const double power = std::pow(10.0, std::floor(std::log10(least)));
+  for (const double factor : {1.0, 2.0, 5.0}) {
+    if (factor * power >= least) return factor * power;
+  }
+  return 10.0 * power;
 }
 
 GnuplotFolder::GnuplotFolder() {

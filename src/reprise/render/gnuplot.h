@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
@@ -21,6 +22,16 @@ std::string gnuplot_quoted(const std::string& text);
 
 // The first line of a script that draws a picture of that size, in pixels.
 std::string gnuplot_canvas(int width, int height, int font_size);
+
+// Sets the palette Viridis: even steps of value are even steps of lightness.
+std::string gnuplot_palette();
+
+// A round step, 1, 2 or 5 times a power of ten, that is `least` (above 0) or more.
+double round_step(double least);
+
+// Colours of curves, told apart by people who see no red or no green as well (Okabe and Ito).
+inline constexpr std::array gnuplot_colors = {"#d55e00", "#0072b2", "#009e73", "#cc79a7",
+                                              "#e69f00", "#56b4e9", "#404040"};
 
 // Data that a script reads, in a temporary folder that goes with the object.
 class GnuplotFolder {

@@ -59,13 +59,14 @@ void set(void* object, const char* name, const std::string& value) {
 struct Pair {
   std::size_t source = 0;
   std::size_t target = 0;
-  std::vector<const Transition*> active;  // best first
-  std::vector<const Transition*> removed;
+  std::vector<const Transition*> active;   // best first
+  std::vector<const Transition*> removed;  // and pruned ones
 };
 
-std::vector<Pair> pairs_of(const SurfaceMotionGraph& graph) {
+std::vector<Pair> pairs_of(const SurfaceMotionGraph& graph, const std::vector<GraphEdge>& edges) {
   std::vector<Pair> table(graph.clips.size() * graph.clips.size());
-  for (const Transition& transition : graph.transitions) {
+  for (const GraphEdge& edge : edges) {
+    const Transition& transition = edge.transition;
     if (transition.source_clip >= graph.clips.size() || transition.target_clip >= graph.clips.size()) {
       throw InvalidArgument(fmt::format("graph: a transition from clip {} to clip {}, but there are {} clips",
                                         transition.source_clip, transition.target_clip, graph.clips.size()));
@@ -73,15 +74,9 @@ std::vector<Pair> pairs_of(const SurfaceMotionGraph& graph) {
     Pair& pair = table[transition.source_clip * graph.clips.size() + transition.target_clip];
     pair.source = transition.source_clip;
     pair.target = transition.target_clip;
-    (graph.is_removed(transition) ? pair.removed : pair.active).push_back(&transition);
+    (edge.state == GraphEdge::State::in_force ? pair.active : pair.removed).push_back(&transition);
   }
   std::erase_if(table, [](const Pair& pair) { return pair.active.empty() && pair.removed.empty(); });
-  for (Pair& pair : table) {
-    for (auto* list : {&pair.active, &pair.removed}) {
-      std::stable_sort(list->begin(), list->end(),
-                       [](const Transition* a, const Transition* b) { return a->cost < b->cost; });
-    }
-  }
   return table;
 }
 
@@ -101,7 +96,8 @@ std::string tooltip(const SurfaceMotionGraph& graph, const Pair& pair,
 }  // namespace
 
 void draw_graph(const SurfaceMotionGraph& graph, const std::filesystem::path& svg) {
-  const std::vector<Pair> pairs = pairs_of(graph);
+  const std::vector<GraphEdge> edges = graph.edges();
+  const std::vector<Pair> pairs = pairs_of(graph, edges);
   const bool labelled = pairs.size() <= max_labelled_edges;
   double lowest = 0.0;
   double highest = 0.0;

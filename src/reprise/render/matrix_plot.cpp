@@ -96,21 +96,7 @@ std::vector<float> raster(const DissimilarityMatrix& matrix, std::size_t side) {
 // 1, 2 or 5 times a power of ten, so that ticks lie at least about 45 pixels apart.
 int tick_step(double pixels_per_frame) {
   const double least = 45.0 / pixels_per_frame;
-  const double power = std::pow(10.0, std::floor(std::log10(std::max(least, 1.0))));
-  for (const double factor : {1.0, 2.0, 5.0, 10.0}) {
-    if (factor * power >= least) return static_cast<int>(factor * power);
-  }
-  return static_cast<int>(10.0 * power);
-}
-
-// The same for about four ticks up to `largest`.
-double bar_step(double largest) {
-  const double least = largest / 5.0;
-  const double power = std::pow(10.0, std::floor(std::log10(least)));
-  for (const double factor : {1.0, 2.0, 5.0}) {
-    if (factor * power >= least) return factor * power;
-  }
-  return 10.0 * power;
+  return static_cast<int>(round_step(std::max(least, 1.0)));
 }
 
 // Ticks count the frames of each clip, as in "clip:frame"; none so near to the next clip that its 0 would
@@ -232,7 +218,7 @@ std::string panel_script(const MatrixPanel& panel, const Layout& layout, double 
     script += "set label 'source frame' at screen 0.018,graph 0.5 center rotate by 90 font ',13'\n";
   } else {
     script += fmt::format("set cbtics font ',{}' scale 0.3 offset -0.6,0 format '%.2g m' {}\n",
-                          layout.name_font - 1, bar_step(largest > 0.0F ? largest : 1.0));
+                          layout.name_font - 1, round_step((largest > 0.0F ? largest : 1.0) / 5.0));
   }
   if (layout.has_ticks) script += tick_script(*panel.matrix, side / frame_count);
   script += clip_script(*panel.matrix, layout, names_left, names_below);
@@ -256,11 +242,8 @@ void draw_panels(std::span<const MatrixPanel> panels, int columns, const Layout&
                  const fs::path& png) {
   const GnuplotFolder folder;
   std::string script = gnuplot_canvas(layout.width, layout.height, layout.font);
-  // Viridis: even steps of value are even steps of lightness.
-  script +=
-      "set palette maxcolors 0 defined (0 '#440154', 0.125 '#472d7b', 0.25 '#3b528b', 0.375 '#2c728e', 0.5 "
-      "'#21918c', 0.625 '#28ae80', 0.75 '#5ec962', 0.875 '#addc30', 1 '#fde725')\n"
-      "set border 15 lw 1 lc rgb '#404040' front\nunset key\nset style line 1 lw 0\nset multiplot\n";
+  script += gnuplot_palette() +
+            "set border 15 lw 1 lc rgb '#404040' front\nunset key\nset style line 1 lw 0\nset multiplot\n";
   const auto per_row = static_cast<std::size_t>(columns);
   for (std::size_t i = 0; i < panels.size(); ++i) {
     const std::size_t row = i / per_row;

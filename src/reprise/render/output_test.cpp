@@ -284,6 +284,79 @@ TEST(PlotCurves, DrawsEveryCurveInItsColor) {
   EXPECT_THROW(plot_curves({}, folder / "none.png"), InvalidArgument);
 }
 
+TEST(PlotGrids, ShowsEveryPlaceInItsColorAndNothingAsGrey) {
+  const TemporaryFolder folder;
+  const Color lowest = {0x44, 0x01, 0x54}, highest = {0xfd, 0xe7, 0x25}, grey = {0xc8, 0xc8, 0xc8};
+  const auto drawn = [&](const std::vector<std::vector<double>>& rows, double largest = 0.0) {
+    const GridPanel panel{.title = "it's a `panel`", .rows = rows, .largest = largest};
+    plot_grids({&panel, 1}, {.x_label = "x", .y_label = "y"}, "title", folder / "grid.png");
+    return read_image(folder / "grid.png");
+  };
+  // All places are as large as each other, but for what the border covers; low and high values are on the
+  // colour bar as well.
+  const Image image = drawn({{0.0, 2.0}, {NAN, 0.0}});
+  const std::size_t cell = count_near(image, grey);
+  EXPECT_GT(cell, 1000U);
+  EXPECT_GT(20 * count_near(image, lowest), 2 * 19 * cell);
+  EXPECT_LT(count_near(image, lowest), 3 * cell);
+  EXPECT_GT(20 * count_near(image, highest), 19 * cell);
+  EXPECT_LT(count_near(image, highest), 2 * cell);
+  // y goes upwards: what is in the first row stands below.
+  const auto middle_row = [&](const Image& picture, const Color& color) {
+    double sum = 0.0;
+    std::size_t count = 0;
+    for (int y = 0; y < picture.height; ++y) {
+      const auto stride = 3 * static_cast<std::size_t>(picture.width);
+      const Image row{
+          .width = picture.width,
+          .height = 1,
+          .rgb = {
+              picture.rgb.begin() + static_cast<std::ptrdiff_t>(stride * static_cast<std::size_t>(y)),
+              picture.rgb.begin() + static_cast<std::ptrdiff_t>(stride * static_cast<std::size_t>(y + 1))}};
+      const std::size_t here = count_near(row, color);
+      sum += static_cast<double>(here) * y;
+      count += here;
+    }
+    return sum / static_cast<double>(count);
+  };
+  const Image split = drawn({{NAN, NAN}, {0.0, 0.0}});
+  EXPECT_GT(middle_row(split, grey), middle_row(split, lowest));
+  EXPECT_LT(count_near(drawn({{1.0, 1.0}}, 4.0), highest), cell) << "the scale goes on to 4";
+
+  const auto refuses = [&](const std::vector<GridPanel>& panels) {
+    EXPECT_THROW(plot_grids(panels, {}, "", folder / "none.png"), InvalidArgument);
+  };
+  refuses({});
+  refuses({{.title = "empty"}});
+  refuses({{.title = "ragged", .rows = {{1.0, 2.0}, {1.0}}}});
+  EXPECT_FALSE(fs::exists(folder / "none.png"));
+}
+
+TEST(PlotDots, ShowsEverySeriesInItsColor) {
+  const TemporaryFolder folder;
+  const Color first = {0xd5, 0x5e, 0x00}, second = {0x00, 0x72, 0xb2};
+  const auto drawn = [&](const std::vector<DotSeries>& series, DotPanel::Scale scale) {
+    const DotPanel panel{.title = "panel", .x_label = "x", .scale = scale, .series = series};
+    plot_dots({"a", "it's b"}, {&panel, 1}, folder / "dots.png");
+    return read_image(folder / "dots.png");
+  };
+  using Scale = DotPanel::Scale;
+  const Image key = drawn({{"one", {NAN, NAN}}, {"two", {NAN, NAN}}}, Scale::from_zero);
+  for (const Scale scale : {Scale::from_zero, Scale::logarithmic}) {
+    const Image both = drawn({{"one", {0.5, 3.0}}, {"two", {NAN, 20.0}}}, scale);
+    const std::size_t mark = count_near(key, first);
+    EXPECT_GE(count_near(both, first), 2 * mark) << "two and the key";
+    EXPECT_GT(count_near(both, second), count_near(key, second));
+  }
+  EXPECT_EQ(count_near(drawn({{"one", {0.0, NAN}}, {"two", {NAN, 1.0}}}, Scale::logarithmic), first),
+            count_near(key, first))
+      << "zero has no place on a logarithmic scale";
+  const DotPanel uneven{.title = "uneven", .series = {{"one", {1.0}}}};
+  EXPECT_THROW(plot_dots({"a", "b"}, {&uneven, 1}, folder / "none.png"), InvalidArgument);
+  EXPECT_THROW(plot_dots({}, {&uneven, 1}, folder / "none.png"), InvalidArgument);
+  EXPECT_THROW(plot_dots({"a"}, {}, folder / "none.png"), InvalidArgument);
+}
+
 TEST(DrawSheet, ShowsEveryPicturePixelForPixel) {
   const TemporaryFolder folder;
   const std::vector<CaptionedPicture> pictures = {{.image = gradient(120, 60), .lines = {"a", "it's"}},

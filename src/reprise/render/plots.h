@@ -49,6 +49,41 @@ struct CurvePanel {
 // `InvalidArgument` if there is no panel.
 void plot_curves(std::span<const CurvePanel> panels, const std::filesystem::path& png);
 
+// A value for every place of a grid. Places without one (NaN) are grey.
+struct GridPanel {
+  std::string title;
+  std::vector<std::vector<double>> rows;  // rows[y][x], as many in each row
+  double largest = 0.0;                   // value at the top of the colour bar; 0: the greatest there is
+};
+// Where panels have their first place and what their axes are called; the next place is one further.
+struct GridAxes {
+  std::string x_label;
+  std::string y_label;
+  int first_x = 1;
+  int first_y = 1;
+};
+// Heat maps side by side, y upwards, each with a colour bar of its own. Throws `InvalidArgument` if there is
+// no panel, or one is empty or has rows of several lengths.
+void plot_grids(std::span<const GridPanel> panels, const GridAxes& axes, const std::string& title,
+                const std::filesystem::path& png);
+
+struct DotSeries {
+  std::string name;
+  std::vector<double> values;  // one a row; NaN: none
+};
+struct DotPanel {
+  enum class Scale { from_zero, logarithmic };
+  std::string title;
+  std::string x_label;
+  Scale scale = Scale::from_zero;
+  std::vector<DotSeries> series;
+};
+// A table as a picture: named rows, panels side by side, a dot a series, one key. A name has one colour in
+// all panels. Values that a logarithmic scale cannot show are left out. Throws `InvalidArgument` if there is
+// no row or no panel, or a series has not one value a row.
+void plot_dots(const std::vector<std::string>& rows, std::span<const DotPanel> panels,
+               const std::filesystem::path& png);
+
 struct CaptionedPicture {
   Image image;
   std::vector<std::string> lines;  // below it

@@ -6,14 +6,9 @@
 
 #pragma once
 
-#include "reprise/database/performance_database.h"
+#include "reprise/synthesis/ground_contacts.h"
 
 namespace reprise {
-
-struct NaturalnessOptions {
-  double contact_height = 0.03;  // metres above the ground below which a vertex can be in contact
-  double contact_speed = 0.3;    // m/s: a vertex that moves faster in its captured clip is not in contact
-};
 
 struct Naturalness {
   // Largest vertex acceleration inside the blends (m/frame^2, second difference, blend ends included), and
@@ -26,8 +21,9 @@ struct Naturalness {
   // Mean horizontal speed, cm/s, of the vertices that are in contact with the ground in the captured clip the
   // frame comes from (the heavier one inside a blend).
   double foot_drift = 0.0;
-  double captured_foot_drift = 0.0;
-  double blend_foot_drift = 0.0;  // the same inside blends alone
+  double captured_foot_drift = 0.0;  // over all frames of the database
+  double shown_foot_drift = 0.0;     // the captured clips' own in the very frames that are shown
+  double blend_foot_drift = 0.0;     // the same inside blends alone
   // 99th percentile of edge length over reference edge length (first frame of the database).
   double edge_stretch_p99 = 0.0;
   double captured_edge_stretch_p99 = 0.0;
@@ -36,6 +32,6 @@ struct Naturalness {
 // `result`: generated from `database`, with origins. Throws `InvalidArgument` if it has no origins, if its
 // topology is another, or if its origins name clips or frames the database does not have.
 Naturalness evaluate_naturalness(const MeshSequence& result, const PerformanceDatabase& database,
-                                 const NaturalnessOptions& options = {});
+                                 const ContactOptions& options = {});
 
 }  // namespace reprise

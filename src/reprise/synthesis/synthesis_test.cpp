@@ -10,6 +10,7 @@
 #include "reprise/core/error.h"
 #include "reprise/path/keyframe_optimizer.h"
 #include "reprise/similarity/vertex_metric.h"
+#include "reprise/synthesis/feet_test_support.h"
 #include "reprise/synthesis/naturalness.h"
 #include "reprise/synthesis/synthesize.h"
 #include "support/shapes.h"
@@ -61,13 +62,13 @@ double largest_difference(const PositionsView& a, const PositionsView& b) {
 class Synthesis : public ::testing::Test {
  protected:
   PerformanceDatabase database_ = walking_database();
-  PoissonReconstruction poisson_{database_.topology(), database_.clip(0).frame(0)};
+  Synthesizer synthesizer_{database_};
 };
 
 TEST_F(Synthesis, PathWithoutTransitionsPlaysTheCapturedFramesUnchanged) {
   MotionPath path;
   path.segments = {{.clip_idx = 2, .first_frame = 7, .last_frame = 30, .transition = {}}};
-  const MeshSequence result = synthesize(path, database_, poisson_);
+  const MeshSequence result = synthesizer_.synthesize(path);
   ASSERT_EQ(result.frame_count(), 24U);
   for (std::size_t f = 0; f < 24; ++f) {
     EXPECT_EQ(result.frame(f), database_.clip(2).frame(f + 7));
@@ -77,7 +78,7 @@ TEST_F(Synthesis, PathWithoutTransitionsPlaysTheCapturedFramesUnchanged) {
 
 TEST_F(Synthesis, TransitionToTheSameMotionElsewhereContinuesAsIfNothingHappened) {
   const Transition t = make_transition(database_, 0, 25, 1, 25, 6);
-  const MeshSequence result = synthesize(join(t, 5, 50), database_, poisson_);
+  const MeshSequence result = synthesizer_.synthesize(join(t, 5, 50));
   ASSERT_EQ(result.frame_count(), 46U);
   for (std::size_t f = 0; f < result.frame_count(); ++f) {
     EXPECT_LT(largest_difference(result.frame(f), database_.clip(0).frame(f + 5)), 2e-5) << "frame " << f;
@@ -86,8 +87,7 @@ TEST_F(Synthesis, TransitionToTheSameMotionElsewhereContinuesAsIfNothingHappened
 
 TEST_F(Synthesis, BlendsNameBothFramesAndTheirWeight) {
   const Transition t = make_transition(database_, 0, 25, 2, 31, 6);
-  const MeshSequence result =
-      synthesize(join(t, 10, 50), database_, poisson_, {.profile = BlendProfile::linear});
+  const MeshSequence result = synthesizer_.synthesize(join(t, 10, 50), {.profile = BlendProfile::linear});
   const auto& origins = result.origins();
   EXPECT_EQ(origins[9], (FrameOrigin{.clip = "a", .frame_idx = 19}));
   EXPECT_EQ(origins[12].clip, "a");
@@ -109,7 +109,7 @@ TEST_F(Synthesis, DistanceAndFrameCountAreThoseThePathPredicts) {
       metrics, {.keyframes = {{0, 3}, {0, 40}}, .distance = 9.0, .time = 7.0}, {}, database_.clip_names());
   ASSERT_TRUE(path.has_value());
   ASSERT_GT(path->segments.size(), 2U) << "the test needs transitions on the path";
-  const MeshSequence result = synthesize(*path, database_, poisson_);
+  const MeshSequence result = synthesizer_.synthesize(*path);
   EXPECT_EQ(result.frame_count(), static_cast<std::size_t>(path->frame_count));
   const double distance = ground_distance(ground_trajectory(result), 0, result.frame_count() - 1);
   EXPECT_NEAR(distance, path->distance, 1e-4);
@@ -117,8 +117,7 @@ TEST_F(Synthesis, DistanceAndFrameCountAreThoseThePathPredicts) {
 
 TEST_F(Synthesis, GroundTrajectoryNeverJumps) {
   const Transition t = make_transition(database_, 0, 25, 2, 31, 6);
-  const std::vector<Eigen::Vector2d> trajectory =
-      ground_trajectory(synthesize(join(t, 5, 50), database_, poisson_));
+  const std::vector<Eigen::Vector2d> trajectory = ground_trajectory(synthesizer_.synthesize(join(t, 5, 50)));
   for (std::size_t f = 0; f + 1 < trajectory.size(); ++f) {
     EXPECT_LT((trajectory[f + 1] - trajectory[f]).norm(), 0.12) << "frame " << f;
   }
@@ -127,11 +126,10 @@ TEST_F(Synthesis, GroundTrajectoryNeverJumps) {
 TEST_F(Synthesis, SameBytesForAnyNumberOfThreads) {
   const MotionPath path = join(make_transition(database_, 0, 25, 2, 31, 6), 5, 50);
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-  const MeshSequence serial = synthesize(path, database_, poisson_);
-  {
-    const tbb::global_control many(tbb::global_control::max_allowed_parallelism, 4);
-    EXPECT_EQ(synthesize(path, database_, poisson_).data(), serial.data());
-  }
+  const SynthesisOptions options{.correction = Correction{.frame_count = 49, .distance = 2.2}};
+  const MeshSequence serial = synthesizer_.synthesize(path, options);
+  const tbb::global_control many(tbb::global_control::max_allowed_parallelism, 4);
+  EXPECT_EQ(synthesizer_.synthesize(path, options).data(), serial.data());
 }
 
 TEST_F(Synthesis, ColoursThatNeverChangeAreKeptOnceAndOthersAreBlended) {
@@ -144,7 +142,7 @@ TEST_F(Synthesis, ColoursThatNeverChangeAreKeptOnceAndOthersAreBlended) {
     database.add(red);
     database.add(blue);
     const MeshSequence result =
-        synthesize(join(make_transition(database, 0, 20, 1, 20, 4), 5, 35), database, poisson_);
+        Synthesizer(database).synthesize(join(make_transition(database, 0, 20, 1, 20, 4), 5, 35));
     *middle = result.colors(15)[0][2];
     return result.has_colors_per_frame();
   };
@@ -155,12 +153,109 @@ TEST_F(Synthesis, ColoursThatNeverChangeAreKeptOnceAndOthersAreBlended) {
   EXPECT_EQ(middle, 50.0);
 }
 
+TEST_F(Synthesis, CorrectedAnimationMeasuresWhatThePlanPredicts) {
+  const Transition there = make_transition(database_, 0, 25, 2, 31, 6);
+  for (const bool plant_feet : {false, true}) {
+    MotionPath path = join(there, 5, 50);
+    const MeshSequence plain = synthesizer_.synthesize(path, {.plant_feet = false});
+    path.distance = ground_distance(ground_trajectory(plain), 0, plain.frame_count() - 1);
+    for (const double distance : {0.92, 1.0, 1.09, 3.0}) {
+      for (const double time : {0.0, 1.7, 1.94}) {
+        const Correction correction = plan_correction(path, distance * path.distance, time, 25.0);
+        const MeshSequence result =
+            synthesizer_.synthesize(path, {.plant_feet = plant_feet, .correction = correction});
+        ASSERT_EQ(result.frame_count(), static_cast<std::size_t>(correction.frame_count));
+        EXPECT_DOUBLE_EQ(result.duration(), correction.time);
+        EXPECT_EQ(result.origins().size(), result.frame_count());
+        const auto trajectory = ground_trajectory(result);
+        EXPECT_NEAR(ground_distance(trajectory, 0, trajectory.size() - 1), correction.distance, 1e-5);
+      }
+    }
+  }
+}
+
+TEST_F(Synthesis, CorrectedAnimationStillShowsItsFirstAndLastFrame) {
+  MotionPath path = join(make_transition(database_, 0, 25, 2, 31, 6), 5, 50);
+  path.distance = 2.0;
+  for (const bool plant_feet : {false, true}) {
+    const MeshSequence plain = synthesizer_.synthesize(path, {.plant_feet = false});
+    const MeshSequence result = synthesizer_.synthesize(
+        path, {.plant_feet = plant_feet, .correction = plan_correction(path, 2.18, 1.7, 25.0)});
+    EXPECT_EQ(result.frame(0), database_.clip(0).frame(5));
+    EXPECT_EQ(result.origins().front(), (FrameOrigin{.clip = "a", .frame_idx = 5}));
+    EXPECT_EQ(result.origins().back(), (FrameOrigin{.clip = "c", .frame_idx = 50}));
+    // The last one stands elsewhere on the ground, and is turned as in the path.
+    const PositionsView end = result.frame(result.frame_count() - 1);
+    const PositionsView plain_end = plain.frame(plain.frame_count() - 1);
+    const Eigen::RowVector3f shift = end.row(0) - plain_end.row(0);
+    EXPECT_EQ(shift.y(), 0.0F);
+    EXPECT_GT(shift.norm(), 0.05F);
+    EXPECT_LT((end - plain_end).rowwise().operator-(shift).cwiseAbs().maxCoeff(), 2e-6F);
+  }
+}
+
+TEST_F(Synthesis, CorrectionThatChangesNothingChangesNothing) {
+  MotionPath path = join(make_transition(database_, 0, 25, 2, 31, 6), 5, 50);
+  const MeshSequence plain = synthesizer_.synthesize(path, {.plant_feet = false});
+  path.distance = ground_distance(ground_trajectory(plain), 0, plain.frame_count() - 1);
+  const Correction none = plan_correction(path, 99.0, 99.0, 25.0, {.max_retiming = 0.0, .max_stretch = 0.0});
+  EXPECT_EQ(synthesizer_.synthesize(path, {.plant_feet = false, .correction = none}).data(), plain.data());
+}
+
+TEST_F(Synthesis, PathOfOneFrameIsThatFrame) {
+  MotionPath path;
+  path.segments = {{.clip_idx = 1, .first_frame = 9, .last_frame = 9, .transition = {}}};
+  path.frame_count = 1;
+  const MeshSequence result =
+      synthesizer_.synthesize(path, {.correction = plan_correction(path, 3.0, 2.0, 25.0)});
+  ASSERT_EQ(result.frame_count(), 1U);
+  EXPECT_EQ(result.frame(0), database_.clip(1).frame(9));
+}
+
+TEST_F(Synthesis, CorrectionThatWasNotPlannedIsRefused) {
+  const MotionPath path = join(make_transition(database_, 0, 25, 2, 31, 6), 5, 50);
+  EXPECT_THAT([&] { synthesizer_.synthesize(path, {.correction = Correction{}}); },
+              ThrowsMessage<InvalidArgument>(HasSubstr("in 0: expected 2 or more")));
+  EXPECT_THAT(
+      [&] { synthesizer_.synthesize(path, {.correction = Correction{.frame_count = 40, .distance = -1.0}}); },
+      ThrowsMessage<InvalidArgument>(HasSubstr("trajectory's length")));
+}
+
 TEST_F(Synthesis, PathBeyondTheDatabaseIsRefused) {
   MotionPath path;
   path.segments = {{.clip_idx = 1, .first_frame = 55, .last_frame = 60, .transition = {}}};
-  EXPECT_THAT([&] { synthesize(path, database_, poisson_); },
+  EXPECT_THAT([&] { synthesizer_.synthesize(path); },
               ThrowsMessage<InvalidArgument>(HasSubstr("frame 60 of clip 1")));
-  EXPECT_THROW(synthesize(MotionPath{}, database_, poisson_), InvalidArgument);
+  EXPECT_THROW(synthesizer_.synthesize(MotionPath{}), InvalidArgument);
+}
+
+TEST(SynthesisOnFeet, StretchedWalkKeepsItsLengthAndItsFeetPlanted) {
+  const PerformanceDatabase& database = test::performer_with_feet();
+  const Synthesizer synthesizer(database);
+  const std::size_t walk = database.clip_idx("walk");
+  const MeshSequence& clip = database.clip(walk);
+  const auto last = static_cast<int>(clip.frame_count()) - 1;
+  MotionPath path;
+  path.segments = {{.clip_idx = walk, .first_frame = 0, .last_frame = last, .transition = {}}};
+  path.frame_count = last + 1;
+  path.distance = ground_distance(ground_trajectory(clip), 0, clip.frame_count() - 1);
+  for (const double factor : {0.9, 1.1}) {
+    const Correction correction =
+        plan_correction(path, factor * path.distance, factor * clip.duration(), clip.frames_per_second());
+    const auto made = [&](bool plant_feet) {
+      return synthesizer.synthesize(path, {.plant_feet = plant_feet, .correction = correction});
+    };
+    const MeshSequence sliding = made(false);
+    const MeshSequence planted = made(true);
+    const auto trajectory = ground_trajectory(planted);
+    EXPECT_NEAR(ground_distance(trajectory, 0, trajectory.size() - 1), factor * path.distance, 1e-4);
+    EXPECT_EQ(planted.frame(0), clip.frame(0));
+    EXPECT_NE(planted.data(), sliding.data());
+    const Naturalness before = evaluate_naturalness(sliding, database);
+    const Naturalness after = evaluate_naturalness(planted, database);
+    ASSERT_GT(before.foot_drift, after.shown_foot_drift + 1.0) << "the test needs feet that slide";
+    EXPECT_LT(after.foot_drift - after.shown_foot_drift, 0.5 * (before.foot_drift - after.shown_foot_drift));
+  }
 }
 
 class NaturalnessTest : public Synthesis {};
@@ -170,8 +265,7 @@ TEST_F(NaturalnessTest, ReplayedCaptureIsAsNaturalAsTheCapture) {
   path.segments = {{.clip_idx = 0, .first_frame = 0, .last_frame = 59, .transition = {}}};
   PerformanceDatabase only_a;
   only_a.add(database_.clip(0));
-  const Naturalness n =
-      evaluate_naturalness(synthesize(path, only_a, poisson_), only_a, {.contact_speed = 2.0});
+  const Naturalness n = evaluate_naturalness(Synthesizer(only_a).synthesize(path), only_a, {.speed = 2.0});
   EXPECT_EQ(n.pop_ratio, 0.0) << "nothing is blended";
   EXPECT_GT(n.captured_foot_drift, 0.0);
   EXPECT_NEAR(n.foot_drift, n.captured_foot_drift, 1e-9);
@@ -179,11 +273,9 @@ TEST_F(NaturalnessTest, ReplayedCaptureIsAsNaturalAsTheCapture) {
 }
 
 TEST_F(NaturalnessTest, JoinOfTheSameMotionDoesNotPopAndAMismatchedCutDoes) {
-  const MeshSequence good =
-      synthesize(join(make_transition(database_, 0, 25, 1, 25, 6), 5, 50), database_, poisson_);
-  const MeshSequence cut =
-      synthesize(join(make_transition(database_, 0, 25, 2, 25 + static_cast<int>(period) / 2, 1), 5, 50),
-                 database_, poisson_);
+  const MeshSequence good = synthesizer_.synthesize(join(make_transition(database_, 0, 25, 1, 25, 6), 5, 50));
+  const MeshSequence cut = synthesizer_.synthesize(
+      join(make_transition(database_, 0, 25, 2, 25 + static_cast<int>(period) / 2, 1), 5, 50));
   const double smooth_ratio = evaluate_naturalness(good, database_).pop_ratio;
   EXPECT_GT(smooth_ratio, 0.0);
   EXPECT_LT(smooth_ratio, 1.1);
@@ -193,7 +285,7 @@ TEST_F(NaturalnessTest, JoinOfTheSameMotionDoesNotPopAndAMismatchedCutDoes) {
 TEST_F(NaturalnessTest, StretchedResultShowsInTheStretchFigureAlone) {
   MotionPath path;
   path.segments = {{.clip_idx = 0, .first_frame = 0, .last_frame = 59, .transition = {}}};
-  MeshSequence result = synthesize(path, database_, poisson_);
+  MeshSequence result = synthesizer_.synthesize(path);
   const Naturalness before = evaluate_naturalness(result, database_);
   for (std::size_t f = 0; f < result.frame_count(); ++f) result.frame(f) *= 1.5F;
   const Naturalness after = evaluate_naturalness(result, database_);

@@ -12,6 +12,7 @@
 #include "reprise/core/parallel.h"
 #include "reprise/core/progress.h"
 #include "reprise/deform/blend.h"
+#include "reprise/synthesis/color_mix.h"
 
 namespace reprise {
 namespace {
@@ -91,14 +92,7 @@ std::vector<Color> blend_colors(const std::vector<FramePlan>& plan, const Perfor
       continue;
     }
     const std::span<const Color> partner = clip_of(frame.partner).colors(frame.partner.frame_idx);
-    for (std::size_t v = 0; v < source.size(); ++v) {
-      Color blended{};
-      for (std::size_t c = 0; c < 3; ++c) {
-        blended[c] = static_cast<std::uint8_t>(
-            std::lround((1.0 - frame.alpha) * source[v][c] + frame.alpha * partner[v][c]));
-      }
-      colors.push_back(blended);
-    }
+    append_mixed_colors(source, partner, frame.alpha, colors);
   }
   return colors;
 }
@@ -108,6 +102,10 @@ bool all_have_normals(const std::vector<FramePlan>& plan, const PerformanceDatab
     return database.clip(frame.source.clip_idx).has_normals() &&
            (!frame.is_blend() || database.clip(frame.partner.clip_idx).has_normals());
   });
+}
+
+double ground_length(const MeshSequence& sequence) {
+  return ground_distance(ground_trajectory(sequence), 0, sequence.frame_count() - 1);
 }
 
 }  // namespace
@@ -131,31 +129,66 @@ std::vector<FrameOrigin> path_frames(const MotionPath& path, const PerformanceDa
   return origins;
 }
 
-MeshSequence synthesize(const MotionPath& path, const PerformanceDatabase& database,
-                        const PoissonReconstruction& poisson, const SynthesisOptions& options) {
-  const std::vector<FramePlan> plan = plan_frames(path, options.profile);
-  check_plan(plan, database);
+Synthesizer::Synthesizer(const PerformanceDatabase& database, const ContactOptions& contacts)
+    : database_(database),
+      poisson_(database.topology(), database.clip(0).frame(0)),
+      planter_(database, contacts) {}
 
-  MeshSequence result(options.name, database.topology(), plan.size(), database.frames_per_second());
-  result.set_origins(path_frames(path, database, options.profile));
-  result.set_colors(blend_colors(plan, database));
-  const bool with_normals = all_have_normals(plan, database);
+MeshSequence Synthesizer::synthesize(const MotionPath& path, const SynthesisOptions& options) const {
+  MeshSequence motion = blended(path, options);
+  double distance = ground_length(motion);
+  if (options.correction) {
+    motion = retimed(motion, options.correction->frame_count, poisson_);
+    distance = options.correction->distance;
+  }
+  if (options.plant_feet) return planted(motion, distance);
+  if (options.correction) stretch_trajectory(motion, distance);
+  return motion;
+}
+
+MeshSequence Synthesizer::planted(const MeshSequence& motion, double distance) const {
+  // The legs move the centroid, and a stretch moves the feet. So the motion is stretched a little beside the
+  // wanted length, such that planting brings it there.
+  constexpr double close = 5e-4;  // metres: what is left is stretched away and slides no foot that one sees
+  constexpr int most_rounds = 5;
+  MeshSequence result;
+  double before_planting = distance;
+  for (int round = 0; round < most_rounds; ++round) {
+    result = motion;
+    stretch_trajectory(result, before_planting);
+    planter_.plant(result);
+    const double miss = distance - ground_length(result);
+    if (std::abs(miss) < close) break;
+    before_planting = std::max(before_planting + miss, 0.0);
+  }
+  stretch_trajectory(result, distance);
+  return result;
+}
+
+MeshSequence Synthesizer::blended(const MotionPath& path, const SynthesisOptions& options) const {
+  const std::vector<FramePlan> plan = plan_frames(path, options.profile);
+  check_plan(plan, database_);
+
+  MeshSequence result(options.name, database_.topology(), plan.size(), database_.frames_per_second());
+  result.set_origins(path_frames(path, database_, options.profile));
+  result.set_colors(blend_colors(plan, database_));
+  const bool with_normals = all_have_normals(plan, database_);
   if (with_normals)
     result.mutable_normals(0);  // makes room for all frames before they are written in parallel
 
   Progress progress("synthesis", plan.size());
   parallel_for(0, plan.size(), [&](std::size_t f) {
     const FramePlan& frame = plan[f];
-    const MeshSequence& source_clip = database.clip(frame.source.clip_idx);
+    const MeshSequence& source_clip = database_.clip(frame.source.clip_idx);
     const PositionsView source = source_clip.frame(frame.source.frame_idx);
     PositionsRef out = result.frame(f);
     if (frame.is_blend()) {
       Positions partner(source.rows(), 3);
       transform_positions(frame.source_from_partner,
-                          database.clip(frame.partner.clip_idx).frame(frame.partner.frame_idx),
+                          database_.clip(frame.partner.clip_idx).frame(frame.partner.frame_idx),
                           PositionsRef(partner.data(), partner.rows(), 3));
       Positions blended(source.rows(), 3);
-      blend_frames(poisson, source, PositionsView(partner.data(), partner.rows(), 3), frame.alpha,
+      blend_frames(poisson_, source, PositionsView(partner.data(), partner.rows(), 3), frame.alpha,
                    PositionsRef(blended.data(), blended.rows(), 3));
       transform_positions(frame.world_from_source, PositionsView(blended.data(), blended.rows(), 3), out);
     } else {

@@ -183,6 +183,23 @@ double Gait::time_of_phase(double phase) const {
          (static_cast<double>(above - phase_.begin()) - 1.0 + share) / (2.0 * SampledCurve::rate);
 }
 
+// A stance must be short enough for the speed at which it ends, or the body runs away from its foot and sinks
+// to keep it within reach. The faster the style, the sooner the stance ends: the style that is the one at its
+// own end lies where the two meet.
+double Gait::style_of_stance(double begin, const std::function<double(double)>& end_of) const {
+  const auto style_at_end = [&](double style) {
+    return course_.jog(std::clamp(end_of(style), first_time_, last_time_));
+  };
+  double slow = course_.jog(begin);
+  if (style_at_end(slow) <= slow) return slow;
+  double fast = 1.0;
+  for (int i = 0; i < 40; ++i) {
+    const double middle = 0.5 * (slow + fast);
+    (style_at_end(middle) > middle ? slow : fast) = middle;
+  }
+  return fast;
+}
+
 std::vector<Step> Gait::steps(int side) const {
   std::vector<Step> steps;
   const double offset = side == 0 ? 0.0 : 0.5;
@@ -194,10 +211,11 @@ std::vector<Step> Gait::steps(int side) const {
     Step step;
     step.begin = time_of_phase(n + offset);
     if (step.begin == Step::forever) break;
-    // A stance must be short enough for the speed at its begin and later on.
-    const double begin_known = std::isfinite(step.begin) ? step.begin : first_time_;
-    const double jog = std::max(course_.jog(begin_known), course_.jog(begin_known + 0.15));
-    step.end = time_of_phase(n + offset + lerp(walk.duty, run.duty, jog));
+    const auto end_of = [&](double style) {
+      return time_of_phase(n + offset + lerp(walk.duty, run.duty, style));
+    };
+    const double jog = style_of_stance(std::isfinite(step.begin) ? step.begin : first_time_, end_of);
+    step.end = end_of(jog);
     if (step.end == -Step::forever) continue;
 
     const bool strides = std::isfinite(step.begin) && std::isfinite(step.end);

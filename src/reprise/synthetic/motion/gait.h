@@ -88,6 +88,8 @@ class Gait {
 
  private:
   double time_of_phase(double phase) const;
+  // 0 walks, 1 jogs. `end_of`: when a stance of a style ends.
+  double style_of_stance(double begin, const std::function<double(double style)>& end_of) const;
 
   GaitCourse course_;
   double first_time_;

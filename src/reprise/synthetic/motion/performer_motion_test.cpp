@@ -403,6 +403,23 @@ TEST(PerformerMotion, GaitsHaveTheirSpeedsAndArmsSwingAgainstLegs) {
   }
 }
 
+// Nobody kneels in the middle of a run-up: where the gait changes, the hips stay about as high as they are in
+// the gaits it changes between.
+TEST(PerformerMotion, HipsStayUpWhileTheGaitChanges) {
+  const auto heights = [](const std::string& name) {
+    const PerformerClip& clip = clip_of("character", name);
+    std::vector<double> result;
+    for (int k = 0; k < frame_count(clip); ++k) result.push_back(frame(clip, k).position[0].y());
+    return result;
+  };
+  const double lowest = std::min(std::ranges::min(heights("walk")), std::ranges::min(heights("jog"))) - 0.07;
+  const double highest = std::max(std::ranges::max(heights("walk")), std::ranges::max(heights("jog"))) + 0.03;
+  for (const char* name : {"walk_jog", "jog_walk", "stand_walk", "walk_stand"}) {
+    EXPECT_GT(std::ranges::min(heights(name)), lowest) << name;
+    EXPECT_LT(std::ranges::max(heights(name)), highest) << name;
+  }
+}
+
 // The knees of the walk follow the textbook's curve, although they come from inverse kinematics.
 TEST(PerformerMotion, WalkingKneesFollowWinter) {
   const PerformerClip& clip = clip_of("character", "walk");

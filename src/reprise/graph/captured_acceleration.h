@@ -1,0 +1,16 @@
+// SPDX-FileCopyrightText: 2026 The Reprise authors
+// SPDX-License-Identifier: Apache-2.0
+
+// What pops are relative to.
+
+#pragma once
+
+#include "reprise/database/performance_database.h"
+
+namespace reprise {
+
+// What a capture itself reaches: the 99th percentile (nearest rank), over all frames with a frame on either
+// side, of the largest vertex acceleration, m/frame^2. 0 if no clip has three frames. Parallel.
+double captured_acceleration(const PerformanceDatabase& database);
+
+}  // namespace reprise
