@@ -49,6 +49,41 @@ expect 0 "new.pc2" "$reprise" export new.reprise -o new.pc2
 expect 0 "frames" "$reprise" export figure.reprise --clip walk -o walk --format obj
 expect 0 "frames" "$reprise" export figure.reprise --clip stand -o stand --format ply
 
+# All that a key-frame query can ask for
+asked=(keyframes figure.reprise --graph graph.json --from stand:5 --to wave:20)
+expect 0 "turned by" "$reprise" "${asked[@]}" --distance 6 --time 8 --goal 3,4 --turn 30 --max-time 12 -o asked.reprise --report asked.json
+expect 0 '"position"' cat asked.json
+expect 0 "turned by" "$reprise" "${asked[@]}" --distance 5 --time 6 --route 0,0 0,4 -o asked.reprise
+expect 0 "animation-2" "$reprise" "${asked[@]}" --distance 4 --time 6 --alternatives 2 -o asked.reprise
+expect 0 "corrected: distance 4.000 m, time 6.00 s" "$reprise" "${asked[@]}" --distance 4 --time 6 --correct -o asked.reprise
+expect 0 "proved optimal" "$reprise" "${asked[@]}" --distance 4 --time 6 --require walk --forbid jog --slide-feet --lp asked.lp -o asked.reprise
+expect 0 "Minimize" cat asked.lp
+keep asked.reprise
+expect 1 "contradict" "$reprise" "${asked[@]}" --min-time 9 --max-time 8 -o asked.reprise
+expect 1 "keeps the limits" "$reprise" "${asked[@]}" --max-time 0.1 -o asked.reprise
+expect 1 "both compulsory and forbidden" "$reprise" "${asked[@]}" --require walk --forbid walk -o asked.reprise
+expect 1 "which is forbidden" "$reprise" "${asked[@]}" --forbid stand -o asked.reprise
+expect 1 "distance weight" "$reprise" "${asked[@]}" --distance-weight -1 -o asked.reprise
+expect 1 "time weight" "$reprise" "${asked[@]}" --time-weight nan -o asked.reprise
+expect 1 "expected a point on the ground" "$reprise" "${asked[@]}" --goal 3 -o asked.reprise
+expect 1 "--turn is given without --goal" "$reprise" "${asked[@]}" --turn 90 -o asked.reprise
+expect 1 ".lp" "$reprise" "${asked[@]}" --lp query.txt -o asked.reprise
+unchanged asked.reprise
+
+# Play
+expect 0 "pop ratio" "$reprise" play figure.reprise --graph graph.json --from stand:5 --time 10 -o play.reprise --report play.json
+expect 0 '"mode": "stochastic"' cat play.json
+expect 0 "the loop lasts" "$reprise" play figure.reprise --graph graph.json --from stand:5 --mode loop --time 10 -o play.reprise
+expect 0 "the loop lasts" "$reprise" play figure.reprise --graph graph.json --from stand:5 --mode period -o play.reprise
+expect 0 "pop ratio" "$reprise" evaluate naturalness play.reprise --database figure.reprise
+keep play.reprise
+expect 1 "ends in a dead end" "$reprise" play figure.reprise --graph graph.json --from stand:5 --max-cost 0 -o play.reprise
+expect 1 "temperature: expected a number of at least 0" "$reprise" play figure.reprise --graph graph.json --from stand:5 --temperature -1 -o play.reprise
+expect 1 "did you mean 'stand'" "$reprise" play figure.reprise --graph graph.json --from stand:5 --without stnad -o play.reprise
+expect 1 "not written over" "$reprise" play figure.reprise --graph graph.json --from stand:5 -o figure.reprise
+expect 2 "--mode" "$reprise" play figure.reprise --graph graph.json --from stand:5 --mode lop -o play.reprise
+unchanged play.reprise
+
 # What a performer cannot do is said before the long work begins.
 expect 1 "'nobody'" "$reprise" perform --costume nobody -o no.reprise
 expect 1 "nowhere" "$reprise" perform --makehuman nowhere -o no.reprise
@@ -89,7 +124,7 @@ expect 2 "subcommand" "$reprise"
 expect 2 "there is no command 'nonsense'" "$reprise" nonsense
 expect 2 "did you mean 'keyframes'" "$reprise" keyframe
 expect 2 "--output is required" "$reprise" graph figure.reprise
-for command in perform import info validate markup skeleton similarity graph keyframes export render "evaluate naturalness"; do
+for command in perform import info validate markup skeleton similarity graph keyframes play export render "evaluate naturalness" "evaluate keyframes"; do
   # shellcheck disable=SC2086
   expect 0 "OPTIONS" "$reprise" $command --help
 done

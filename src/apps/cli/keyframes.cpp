@@ -49,6 +49,7 @@ Action add_keyframes(CLI::App& command) {
     std::filesystem::path output;
     std::filesystem::path report;
     std::filesystem::path program;
+    std::filesystem::path top_view;
     KeyframesOptions options;
   };
   const auto arguments = std::make_shared<Arguments>();
@@ -59,11 +60,14 @@ Action add_keyframes(CLI::App& command) {
   const std::function<void()> complete = add_keyframe_options(command, arguments->options);
   command.add_option("-o,--output", arguments->output, "animation to write, such as new.reprise")->required();
   command.add_option("--report", arguments->report, "write the path and its certificate, FILE.json");
+  command.add_option("--top-view", arguments->top_view, "draw the way over the ground from above, FILE.png");
   command.add_option("--lp", arguments->program, "write the query as an integer program, FILE.lp");
   return [arguments, complete] {
-    check_outputs(
-        {{arguments->output, ".reprise"}, {arguments->report, ".json"}, {arguments->program, ".lp"}},
-        {arguments->database, arguments->graph});
+    check_outputs({{arguments->output, ".reprise"},
+                   {arguments->report, ".json"},
+                   {arguments->program, ".lp"},
+                   {arguments->top_view, ".png"}},
+                  {arguments->database, arguments->graph});
     complete();
     const KeyframesOptions& options = arguments->options;
     const SurfaceMotionGraph graph = load_graph(arguments->graph);
@@ -88,6 +92,7 @@ Action add_keyframes(CLI::App& command) {
     writer.commit();
     if (!arguments->report.empty()) write_text_file(arguments->report, report.dump(2) + "\n");
     if (!program.empty()) write_text_file(arguments->program, program);
+    if (!arguments->top_view.empty()) draw_top_view(options, *results, arguments->top_view);
 
     fmt::print("{}\n", arguments->output.string());
     for (const KeyframesResult& result : *results) print_answer(options, result);

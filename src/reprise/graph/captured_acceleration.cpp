@@ -5,31 +5,37 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "reprise/core/parallel.h"
 
 namespace reprise {
 
-double captured_acceleration(const PerformanceDatabase& database) {
-  std::vector<double> squares;
+double peak_acceleration(const MeshSequence& sequence, std::size_t frame_idx) {
+  const PositionsView before = sequence.frame(frame_idx - 1);
+  const PositionsView here = sequence.frame(frame_idx);
+  const PositionsView after = sequence.frame(frame_idx + 1);
+  return std::sqrt(static_cast<double>((after - 2.0F * here + before).rowwise().squaredNorm().maxCoeff()));
+}
+
+std::vector<double> captured_peak_accelerations(const PerformanceDatabase& database) {
+  std::vector<double> peaks;
   for (const MeshSequence& clip : database.clips()) {
     if (clip.frame_count() < 3) continue;
-    const std::size_t first = squares.size();
-    squares.resize(first + clip.frame_count() - 2);
-    parallel_for(0, clip.frame_count() - 2, [&](std::size_t f) {
-      const PositionsView before = clip.frame(f);
-      const PositionsView at = clip.frame(f + 1);
-      const PositionsView after = clip.frame(f + 2);
-      squares[first + f] =
-          static_cast<double>((after - 2.0F * at + before).rowwise().squaredNorm().maxCoeff());
-    });
+    const std::size_t first = peaks.size();
+    peaks.resize(first + clip.frame_count() - 2);
+    parallel_for(0, clip.frame_count() - 2,
+                 [&](std::size_t f) { peaks[first + f] = peak_acceleration(clip, f + 1); });
   }
-  if (squares.empty()) return 0.0;
-  const auto rank = static_cast<std::ptrdiff_t>(std::ceil(0.99 * static_cast<double>(squares.size())));
-  const auto at = squares.begin() + (rank - 1);
-  std::ranges::nth_element(squares, at);
-  return std::sqrt(*at);
+  return peaks;
+}
+
+double captured_acceleration(const PerformanceDatabase& database) {
+  std::vector<double> peaks = captured_peak_accelerations(database);
+  if (peaks.empty()) return 0.0;
+  const auto rank = static_cast<std::ptrdiff_t>(std::ceil(0.99 * static_cast<double>(peaks.size())));
+  const auto at = peaks.begin() + (rank - 1);
+  std::ranges::nth_element(peaks, at);
+  return *at;
 }
 
 }  // namespace reprise

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <mutex>
 #include <vector>
 
 #include <cholmod.h>
@@ -101,6 +102,14 @@ class Cholmod {
   cholmod_common common = {};
   cholmod_factor* factor = nullptr;
 };
+
+// METIS takes over the handlers of SIGTERM and SIGABRT while it runs and gives back what it found: two runs at
+// a time leave its own behind, which jumps to a frame that is gone. So one analysis runs at a time.
+cholmod_factor* analyze(cholmod_sparse& matrix, cholmod_common& common) {
+  static std::mutex one_at_a_time;
+  const std::lock_guard lock(one_at_a_time);
+  return cholmod_analyze(&matrix, &common);
+}
 
 }  // namespace
 
@@ -216,7 +225,7 @@ SparseCholesky::SparseCholesky(const Eigen::SparseMatrix<double>& A) : SparseCho
   view.dtype = CHOLMOD_DOUBLE;
   view.sorted = 1;
   view.packed = 1;
-  cholmod.factor = cholmod_analyze(&view, &cholmod.common);
+  cholmod.factor = analyze(view, cholmod.common);
   if (cholmod.factor != nullptr) cholmod_factorize(&view, cholmod.factor, &cholmod.common);
   if (cholmod.factor == nullptr || cholmod.common.status < CHOLMOD_OK) {
     throw Error(fmt::format("CHOLMOD cannot factorise a {0} x {0} matrix with {1} entries (status {2})",

@@ -3,6 +3,7 @@
 
 #include "reprise/linalg/sparse_cholesky.h"
 
+#include <csignal>
 #include <random>
 #include <thread>
 #include <vector>
@@ -43,6 +44,21 @@ Eigen::MatrixXd random_matrix(Eigen::Index rows, Eigen::Index columns, unsigned 
   std::mt19937 generator(seed);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   return Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return uniform(generator); });
+}
+
+void count_nothing(int /*signal_number*/) {}
+
+TEST(SparseCholesky, FactorisationsInSeveralThreadsLeaveTheHandlersOfSignalsAlone) {
+  const auto before = std::signal(SIGTERM, count_nothing);
+  const Sparse A = grid_laplacian(30, 0.01);
+  std::vector<std::thread> threads;
+  for (int t = 0; t < 4; ++t) {
+    threads.emplace_back([&] {
+      for (int i = 0; i < 25; ++i) EXPECT_EQ(SparseCholesky(A).size(), 900);
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(std::signal(SIGTERM, before), count_nothing);
 }
 
 TEST(SparseCholesky, SolutionSatisfiesTheSystemForAnyNumberOfColumns) {

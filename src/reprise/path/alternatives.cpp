@@ -327,7 +327,10 @@ tl::expected<std::vector<MotionPath>, NoPath> find_alternative_paths(
     const PathMetrics& metrics, const KeyframeQuery& query, const KeyframeOptions& options,
     const AlternativesOptions& alternatives, const std::vector<std::string>& clip_names) {
   validate(alternatives);
-  return Partition(metrics, query, options, alternatives, clip_names).find();
+  auto paths = Partition(metrics, query, options, alternatives, clip_names).find();
+  // In order already, unless a search ended before its proof.
+  if (paths) std::ranges::stable_sort(*paths, {}, &MotionPath::cost);
+  return paths;
 }
 
 }  // namespace reprise

@@ -35,7 +35,7 @@ struct EvaluateKeyframesOptions {
   // largest errors in the paper's table.
   double reach_distance = 1.0;
   double reach_time = 1.0;
-  KeyframeOptions optimizer;
+  KeyframeOptions optimizer = {.max_labels = 20'000'000};  // a table wants certificates
   CorrectionOptions correction;
   bool resume = true;  // what an earlier run with the same options and inputs has finished is kept
 };

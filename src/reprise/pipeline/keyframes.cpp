@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "reprise/path/ground_search.h"
 #include "reprise/path/program_writer.h"
 #include "reprise/pipeline/path_report.h"
+#include "reprise/render/ground_plot.h"
 
 namespace reprise {
 namespace {
@@ -51,8 +51,8 @@ nlohmann::json describe_query(const KeyframesOptions& options) {
 }
 
 nlohmann::json make_report(const KeyframesOptions& options, const SurfaceMotionGraph& graph,
-                           const PathMetrics& metrics, const KeyframesResult& result,
-                           const std::optional<Correction>& correction, double seconds) {
+                           const KeyframesResult& result, const std::optional<Correction>& correction,
+                           double seconds) {
   const MotionPath& path = result.path;
   nlohmann::json report = describe_query(options);
   report.update({{"distance", path.distance},
@@ -74,8 +74,8 @@ nlohmann::json make_report(const KeyframesOptions& options, const SurfaceMotionG
                  {"database_hash", graph.database_hash},
                  {"transitions", describe_transitions(path, graph)},
                  {"frames", describe_frames(result.animation.origins())}});
-  const GroundTrack track = ground_track(metrics, path);
-  report["end"] = {{"position", {track.centers.back().x(), track.centers.back().y()}}, {"turn", track.turn}};
+  const Eigen::Vector2d& end = result.track.centers.back();
+  report["end"] = {{"position", {end.x(), end.y()}}, {"turn", result.track.turn}};
   if (correction) {
     report["correction"] = {{"frame_count", correction->frame_count},
                             {"stretch", correction->stretch},
@@ -141,8 +141,9 @@ tl::expected<std::vector<KeyframesResult>, NoPath> run_keyframe_alternatives(
           plan_correction(path, options.distance, options.time, database.frames_per_second(), limits);
     }
     KeyframesResult result{.path = std::move(path)};
+    result.track = ground_track(metrics, result.path);
     result.animation = synthesizer.synthesize(result.path, synthesis);
-    result.report = make_report(options, graph, metrics, result, synthesis.correction, seconds);
+    result.report = make_report(options, graph, result, synthesis.correction, seconds);
     results.push_back(std::move(result));
   }
   return results;
@@ -156,6 +157,19 @@ tl::expected<KeyframesResult, NoPath> run_keyframes(const PerformanceDatabase& d
   auto results = run_keyframe_alternatives(database, graph, best);
   if (!results) return tl::make_unexpected(std::move(results.error()));
   return std::move(results->front());
+}
+
+void draw_top_view(const KeyframesOptions& options, std::span<const KeyframesResult> results,
+                   const std::filesystem::path& png) {
+  GroundPanel panel{.title = "from above"};
+  if (options.route) {
+    panel.curves.push_back({"route asked for", GroundCurve::Kind::asked, options.route->points});
+  }
+  if (options.goal) panel.curves.push_back({"goal", GroundCurve::Kind::asked, {options.goal->position}});
+  for (const KeyframesResult& result : results) {
+    panel.curves.push_back({result.animation.name(), GroundCurve::Kind::walked, result.track.centers});
+  }
+  plot_ground(std::span(&panel, 1), png);
 }
 
 std::string keyframe_program(const PerformanceDatabase& database, const SurfaceMotionGraph& graph,

@@ -5,7 +5,9 @@
 
 #pragma once
 
+#include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,6 +15,7 @@
 #include <tl/expected.hpp>
 
 #include "reprise/path/alternatives.h"
+#include "reprise/path/ground_search.h"
 #include "reprise/synthesis/synthesize.h"
 
 namespace reprise {
@@ -41,6 +44,7 @@ struct KeyframesOptions {
 
 struct KeyframesResult {
   MotionPath path;
+  GroundTrack track;  // of the path, without correction
   MeshSequence animation;
   // distance, time, cost and its terms, lower_bound, gap, seconds (of the search), and frames: clip, frame,
   // and inside a blend partner_clip, partner_frame, weight. docs/keyframes.md lists every field.
@@ -66,5 +70,9 @@ tl::expected<KeyframesResult, NoPath> run_keyframes(const PerformanceDatabase& d
 // The query as an integer program in LP format (program_writer.h). `cost`: that of a path that answers it.
 std::string keyframe_program(const PerformanceDatabase& database, const SurfaceMotionGraph& graph,
                              const KeyframesOptions& options, double cost);
+
+// The answers seen from above, beside the goal and the route that were asked for, as a PNG.
+void draw_top_view(const KeyframesOptions& options, std::span<const KeyframesResult> results,
+                   const std::filesystem::path& png);
 
 }  // namespace reprise

@@ -175,7 +175,7 @@ TEST_F(WholeWay, QueryBecomesTheAnimationTheReportDescribes) {
       ground_distance(ground_trajectory(result->animation), 0, result->animation.frame_count() - 1);
   EXPECT_NEAR(report["distance"].get<double>(), travelled, 1e-4);
   EXPECT_NEAR(report["cost"].get<double>(),
-              report["transition_cost"].get<double>() + std::abs(result->path.distance - 6.0) / 0.3 +
+              report["costs"]["transitions"].get<double>() + std::abs(result->path.distance - 6.0) / 0.3 +
                   std::abs(result->path.frame_count - 5.0 * 25.0) / 10.0,
               1e-9);
   EXPECT_LT(evaluate_naturalness(result->animation, database_).pop_ratio, 2.0);

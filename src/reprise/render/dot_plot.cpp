@@ -20,7 +20,7 @@ constexpr double letter_width = 7.2;
 constexpr double panel_width = 270.0;
 constexpr double between = 46.0;
 constexpr double top = 42.0;
-constexpr double below = 82.0;
+constexpr double below = 74.0;
 
 // Not round: dots of several series on one place stay visible as rings and points.
 constexpr std::array marks = {7, 6, 5, 9, 4, 8, 13};
@@ -86,10 +86,22 @@ void plot_dots(const std::vector<std::string>& rows, std::span<const DotPanel> p
   const GnuplotFolder folder;
   std::string script = gnuplot_canvas(static_cast<int>(width), static_cast<int>(height), 11);
   script +=
-      "set multiplot\nset border 3 lc rgb '#404040'\nset tics nomirror\nset grid lc rgb '#e0e0e0' lw 1\n";
+      "set multiplot\nunset key\nset border 3 lc rgb '#404040'\nset tics nomirror\nset grid lc rgb '#e0e0e0' "
+      "lw 1\n";
   script +=
       fmt::format("set yrange [{}:-0.5]\nset bmargin at screen {}\nset tmargin at screen {}\n",
                   static_cast<double>(rows.size()) - 0.5, below / height, (below + panel_height) / height);
+  const auto style = [](std::size_t n) {
+    return fmt::format("pt {} ps 1.3 lw 2 lc rgb '{}'", marks[n % marks.size()],
+                       gnuplot_colors[n % gnuplot_colors.size()]);
+  };
+  // The key stands below all panels: one of gnuplot's own would be no wider than a panel.
+  double key_left = left;
+  for (std::size_t n = 0; n < names.size(); ++n) {
+    script += fmt::format("set label {} at screen {},screen {} left point {} offset character 1.2,0\n",
+                          gnuplot_quoted(names[n]), key_left / width, 14.0 / height, style(n));
+    key_left += 44.0 + letter_width * static_cast<double>(names[n].size());
+  }
   for (std::size_t p = 0; p < panels.size(); ++p) {
     const DotPanel& panel = panels[p];
     const double panel_left = left + (panel_width + between) * static_cast<double>(p);
@@ -109,16 +121,7 @@ void plot_dots(const std::vector<std::string>& rows, std::span<const DotPanel> p
       script += fmt::format("unset logscale x\nset xrange [{}:{}]\nset xtics scale 0.5 {} format '%g'\n",
                             range.low, range.high, round_step(range.high / 6.0));
     }
-    script +=
-        p == 0
-            ? fmt::format("set key at screen 0.5,screen {} center bottom horizontal maxrows 1 Left reverse\n",
-                          6.0 / height)
-            : std::string("unset key\n");
     std::string plots;
-    const auto style = [](std::size_t n) {
-      return fmt::format("with points pt {} ps 1.3 lw 2 lc rgb '{}'", marks[n % marks.size()],
-                         gnuplot_colors[n % gnuplot_colors.size()]);
-    };
     for (std::size_t s = 0; s < panel.series.size(); ++s) {
       const DotSeries& series = panel.series[s];
       std::vector<double> points;
@@ -131,15 +134,11 @@ void plot_dots(const std::vector<std::string>& rows, std::span<const DotPanel> p
       const auto n = static_cast<std::size_t>(std::ranges::find(names, series.name) - names.begin());
       const std::string file = fmt::format("dots{}_{}.bin", p, s);
       folder.write(file, points);
-      plots += fmt::format("{}'{}' binary record=({}) format='%float64%float64' using 1:2 {} notitle",
-                           plots.empty() ? "" : ", ", file, points.size() / 2, style(n));
-    }
-    // The key names every series, also those that are not in this panel.
-    for (std::size_t n = 0; p == 0 && n < names.size(); ++n) {
       plots +=
-          fmt::format("{}NaN {} title {}", plots.empty() ? "" : ", ", style(n), gnuplot_quoted(names[n]));
+          fmt::format("{}'{}' binary record=({}) format='%float64%float64' using 1:2 with points {} notitle",
+                      plots.empty() ? "" : ", ", file, points.size() / 2, style(n));
     }
-    script += fmt::format("plot {}\n", plots.empty() ? "NaN notitle" : plots);
+    script += fmt::format("plot {}\nunset label\n", plots.empty() ? "NaN notitle" : plots);
   }
   folder.draw(script + "unset multiplot\n", png);
 }

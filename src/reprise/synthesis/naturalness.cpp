@@ -12,31 +12,12 @@
 
 #include "reprise/core/error.h"
 #include "reprise/core/interrupt.h"
-#include "reprise/core/parallel.h"
+#include "reprise/graph/captured_acceleration.h"
 #include "reprise/synthesis/frame_sources.h"
 #include "reprise/synthesis/percentile.h"
 
 namespace reprise {
 namespace {
-
-// Largest vertex acceleration at a frame with both neighbours, m/frame^2.
-double peak_acceleration(const MeshSequence& sequence, std::size_t frame_idx) {
-  const PositionsView before = sequence.frame(frame_idx - 1);
-  const PositionsView here = sequence.frame(frame_idx);
-  const PositionsView after = sequence.frame(frame_idx + 1);
-  return std::sqrt(static_cast<double>((after - 2.0F * here + before).rowwise().squaredNorm().maxCoeff()));
-}
-
-std::vector<double> captured_peak_accelerations(const PerformanceDatabase& database) {
-  std::vector<double> peaks;
-  for (const MeshSequence& clip : database.clips()) {
-    if (clip.frame_count() < 3) continue;
-    std::vector<double> of_clip(clip.frame_count() - 2);
-    parallel_for(0, of_clip.size(), [&](std::size_t f) { of_clip[f] = peak_acceleration(clip, f + 1); });
-    peaks.insert(peaks.end(), of_clip.begin(), of_clip.end());
-  }
-  return peaks;
-}
 
 // Counts of edge length ratios on a logarithmic scale: a percentile of any number of frames in constant
 // memory, to better than 0.02 %.
