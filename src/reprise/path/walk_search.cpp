@@ -65,25 +65,26 @@ class WalkFinder::Tables {
     const double low = least(time, problem.distance.least_slope());
     Lanes multipliers = Lanes::LinSpaced(low, high);
     std::shared_ptr<const WalkBounds> bounds;
-    for (int level = 0; level < level_count; ++level) {
+    // A multiplier beside the peak loses the bound its distance from it times what walks differ in metres.
+    const double fine = allowed_loss / (5.0 + targets.distance);
+    double spacing = (high - low) / (lane_count - 1);
+    for (;;) {
       bounds = made(time, rows, multipliers);
-      if (high == low) break;
+      if (spacing <= fine) return bounds;
       looking.use(*bounds);
       const Lanes root = bounds->to_come(graph_.start, problem.time.origin) - looking.conjugates;
       int peak = 0;
       root.maxCoeff(&peak);
-      // Ends of the range are lanes 0 and 7 of every level.
+      // Ends of the range are the first and the last lane of every level.
       const double left = multipliers[std::max(peak - 1, 0)];
       const double right = multipliers[std::min(peak + 1, lane_count - 1)];
-      for (int lane = 1; lane + 1 < lane_count; ++lane) {
-        multipliers[lane] = left + (right - left) * (lane - 1) / (lane_count - 3);
-      }
+      spacing = (right - left) / (lane_count - 3);
+      for (int lane = 1; lane + 1 < lane_count; ++lane) multipliers[lane] = left + spacing * (lane - 1);
     }
-    return bounds;
   }
 
  private:
-  static constexpr int level_count = 3;
+  static constexpr double allowed_loss = 1.0;  // metres of cost
   struct Key {
     double weight, offset, per_extra_step;
     std::int64_t origin, most_to_go, rows;

@@ -20,7 +20,7 @@ constexpr double letter_width = 7.2;
 constexpr double panel_width = 270.0;
 constexpr double between = 46.0;
 constexpr double top = 42.0;
-constexpr double below = 74.0;
+constexpr double below = 88.0;
 
 // Not round: dots of several series on one place stay visible as rings and points.
 constexpr std::array marks = {7, 6, 5, 9, 4, 8, 13};

@@ -13,7 +13,7 @@ namespace reprise {
 
 struct CorrectionOptions {
   double max_retiming = 0.15;  // share by which the duration may change, in [0, 0.5]
-  double max_stretch = 0.35;  // share by which the ground trajectory's length may change, in [0, 0.5]
+  double max_stretch = 0.4;    // share by which the ground trajectory's length may change, in [0, 0.5]
 };
 
 // What will be done to a path, and what then comes out.
