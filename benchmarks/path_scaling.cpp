@@ -74,16 +74,18 @@ void measure(std::size_t clip_count, int per_pair, double seconds, int pairs, in
 
 }  // namespace
 
-// path_scaling [PAIRS [MOST_TRANSITIONS [LONGEST_TARGET_SECONDS]]]
+// path_scaling [PAIRS [MOST_TRANSITIONS [LONGEST_TARGET_SECONDS [LEAST_TRANSITIONS]]]]
 int main(int argc, char** argv) {
   const int pairs = argc > 1 ? std::max(1, std::atoi(argv[1])) : 5;
   const double most = argc > 2 ? std::atof(argv[2]) : 1e4;
   const double longest = argc > 3 ? std::atof(argv[3]) : 600.0;
+  const double least = argc > 4 ? std::atof(argv[4]) : 0.0;
   fmt::print("Processor time in ms of one query: alone, and with what the targets of a pair share.\n");
   fmt::print("{:>11} {:>9} {:>6} {:>11} {:>11} {:>11} {:>11} {:>14} {:>9}\n", "transitions", "target s",
              "pairs", "alone med", "alone max", "shared med", "shared max", "unproved", "worst gap");
   for (const std::size_t clip_count : {5u, 10u, 16u, 32u, 50u}) {
-    if (static_cast<double>(4 * clip_count * clip_count) > most) continue;
+    const auto transitions = static_cast<double>(4 * clip_count * clip_count);
+    if (transitions < least || transitions > most) continue;
     for (const double seconds : {10.0, 30.0, 60.0, 180.0, 600.0}) {
       if (seconds <= longest) measure(clip_count, 4, seconds, pairs, 10);
     }
