@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <mutex>
 
@@ -42,6 +43,7 @@ constexpr double reach_growth = 1.5;
 class WalkFinder::Tables {
  public:
   Tables(const StateGraph& graph, double longest) : graph_(graph), longest_(longest) {
+    // The cheapest, the briefest, the shortest, and one that minds all three.
     first_walks_ = {shortest_paths(graph, edge_lengths(graph, 1.0, 0.0, 0.0)),
                     shortest_paths(graph, edge_lengths(graph, 0.0, 0.0, 1.0)),
                     shortest_paths(graph, edge_lengths(graph, 0.0, 1.0, 0.0)),
@@ -199,8 +201,8 @@ Walk WalkFinder::find(const WalkTargets& targets, std::size_t max_labels) const 
     // At the steepest slope a walk that keeps the limits costs less than any that misses them by a
     // micrometre.
     constexpr double steepest = 1e7;
-    const bool proved = best.lower_bound == best.cost;
-    if (!proved || steepness >= steepest) {
+    if (steepness >= steepest) {
+      const bool proved = best.lower_bound == best.cost;
       return {.lower_bound = best.lower_bound, .labels = labels, .exhausted = proved};
     }
   }
