@@ -256,7 +256,7 @@ TEST_F(GraphFile, ErrorsNameValuesOutOfRange) {
 }
 
 TEST_F(GraphFile, WithAMisspeltFieldLoadsWithAWarning) {
-  const CapturedLog log;
+  const test::CapturedLog log;
   EXPECT_EQ(load_error([](Json& json) { json["remvoed"] = Json::array(); }), "");
   EXPECT_THAT(log.text(), AllOf(HasSubstr("unknown field 'remvoed'"), HasSubstr("did you mean 'removed'?")));
 }

@@ -6,18 +6,16 @@
 #pragma once
 
 #include <functional>
-#include <sstream>
 #include <string>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <spdlog/sinks/ostream_sink.h>
-#include <spdlog/spdlog.h>
 
 #include "reprise/core/atomic_file.h"
 #include "reprise/core/error.h"
 #include "reprise/graph/surface_motion_graph.h"
 #include "reprise/similarity/vertex_metric.h"
+#include "support/captured_log.h"
 #include "support/shapes.h"
 #include "support/test_data.h"
 
@@ -46,23 +44,6 @@ inline std::string argument_error(const std::function<void()>& call) {
   }
   return "";
 }
-
-// Warnings logged while it lives.
-class CapturedLog {
- public:
-  CapturedLog() : before_(spdlog::default_logger()) {
-    spdlog::set_default_logger(
-        std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(text_)));
-  }
-  ~CapturedLog() { spdlog::set_default_logger(before_); }
-  CapturedLog(const CapturedLog&) = delete;
-  CapturedLog& operator=(const CapturedLog&) = delete;
-  std::string text() const { return text_.str(); }
-
- private:
-  std::ostringstream text_;
-  std::shared_ptr<spdlog::logger> before_;
-};
 
 class GraphTest : public ::testing::Test {
  protected:

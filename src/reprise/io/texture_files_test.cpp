@@ -3,12 +3,8 @@
 
 // Textures beside mesh files: written, found again, or missing.
 
-#include <sstream>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <spdlog/sinks/ostream_sink.h>
-#include <spdlog/spdlog.h>
 
 #include "reprise/core/atomic_file.h"
 #include "reprise/core/error.h"
@@ -18,6 +14,7 @@
 #include "reprise/io/obj.h"
 #include "reprise/io/sequence_reader.h"
 #include "reprise/io/sequence_writer.h"
+#include "support/captured_log.h"
 #include "support/test_data.h"
 
 namespace reprise {
@@ -28,23 +25,6 @@ using test::TemporaryFolder;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
-
-// What is logged while it lives.
-class CapturedLog {
- public:
-  CapturedLog() : before_(spdlog::default_logger()) {
-    spdlog::set_default_logger(
-        std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(text_)));
-  }
-  ~CapturedLog() { spdlog::set_default_logger(before_); }
-  CapturedLog(const CapturedLog&) = delete;
-  CapturedLog& operator=(const CapturedLog&) = delete;
-  std::string text() const { return text_.str(); }
-
- private:
-  std::ostringstream text_;
-  std::shared_ptr<spdlog::logger> before_;
-};
 
 const Image& picture() {
   static const Image image = [] {
@@ -71,7 +51,7 @@ TEST(TextureFiles, EveryFormatOfFramesKeepsTheTexture) {
   EXPECT_THAT(test::entries(folder / "ply"),
               ElementsAre("walk_00000.ply", "walk_00001.ply", "walk_00002.ply", "walk_texture.png"));
   for (const char* name : {"obj", "ply", "ascii"}) {
-    const CapturedLog log;
+    const test::CapturedLog log;
     const auto reader = open_sequence({.path = folder / name});
     ASSERT_TRUE(reader->topology()->texture) << name;
     EXPECT_EQ(*reader->topology()->texture, *clip.topology()->texture) << name;
@@ -155,7 +135,7 @@ TEST(TextureFiles, TheTextureOfTheMaterialInUseIsLoaded) {
   fs::create_directory(folder / "maps");
   write_png(picture(), folder / "maps" / "skin.png");
   write_text_file(folder / "two.mtl", "newmtl other\nmap_Kd none.png\nnewmtl skin\nmap_Kd maps/skin.png\n");
-  const CapturedLog log;
+  const test::CapturedLog log;
   write_text_file(folder / "a.obj", obj_text("mtllib two.mtl\nusemtl skin\n"));
   const Mesh mesh = read_mesh(folder / "a.obj");
   ASSERT_TRUE(mesh.topology->texture);
@@ -188,7 +168,7 @@ TEST(TextureFiles, WhatCannotBeLoadedIsAWarningAndTheMeshIsRead) {
         Case{"mtllib skin.mtl\nusemtl b\n", "broken.png: is neither a PNG nor a JPEG"},
         Case{"mtllib skin.mtl\nusemtl a\nusemtl b\n", "has 2 textures"}, Case{"mtllib .\n", "is missing"}}) {
     write_text_file(folder / "mesh.obj", obj_text(c.materials));
-    const CapturedLog log;
+    const test::CapturedLog log;
     const Mesh mesh = read_mesh(folder / "mesh.obj");
     EXPECT_FALSE(mesh.topology->texture) << c.materials;
     EXPECT_EQ(mesh.topology->triangles.size(), 2U);
@@ -204,7 +184,7 @@ TEST(TextureFiles, ATextureThatChangesFromFrameToFrameIsReported) {
   }
   write_text_file(folder / "frame_0.obj", obj_text("mtllib one.mtl\n"));
   write_text_file(folder / "frame_1.obj", obj_text("mtllib two.mtl\n"));
-  const CapturedLog log;
+  const test::CapturedLog log;
   EXPECT_TRUE(open_sequence({.path = folder.path()})->topology()->texture);
   EXPECT_THAT(log.text(), testing::AllOf(HasSubstr("frame_1.obj"), HasSubstr("another texture")));
 }

@@ -12,6 +12,7 @@
 #include "reprise/core/error.h"
 #include "reprise/path/ground_walks.h"
 #include "reprise/path/state_graph.h"
+#include "reprise/path/walk_path.h"
 #include "reprise/path/walk_search.h"
 
 namespace reprise {
@@ -110,39 +111,10 @@ GroundTask make_task(const PathMetrics& metrics, const KeyframeQuery& query, con
   return task;
 }
 
-// Lays the walk out as segments and measures it anew, without the search's roundings.
 MotionPath path_from_walk(const PathMetrics& metrics, const KeyframeQuery& query,
                           const KeyframeOptions& options, const path_detail::StateGraph& graph,
                           const GroundWalk& walk) {
-  MotionPath path;
-  PathSegment segment;
-  segment.clip_idx = query.keyframes.front().clip_idx;
-  segment.first_frame = static_cast<int>(query.keyframes.front().frame_idx);
-  const auto close_segment = [&](int last_frame) {
-    segment.last_frame = last_frame;
-    path.distance += metrics.clip_distance(segment.clip_idx, segment.first_frame, last_frame);
-    path.frame_count += last_frame - segment.first_frame + 1;
-    path.segments.push_back(segment);
-  };
-  for (const std::int32_t edge_idx : walk.edges) {
-    const path_detail::StateEdge& edge = graph.edges[static_cast<std::size_t>(edge_idx)];
-    if (edge.transition < 0) continue;
-    const auto transition_idx = static_cast<std::size_t>(edge.transition);
-    const Transition& transition = metrics.transitions()[transition_idx];
-    segment.transition = transition;
-    close_segment(transition.leave());
-    path.costs.transitions += transition.cost;
-    path.distance += metrics.blend_distance(transition_idx);
-    path.frame_count += 2 * transition.half_window - 1;
-    segment =
-        PathSegment{.clip_idx = transition.target_clip, .first_frame = transition.arrive(), .transition = {}};
-  }
-  close_segment(static_cast<int>(query.keyframes.back().frame_idx));
-  path.time = path.frame_count / metrics.frames_per_second();
-  path.costs.distance = options.distance_weight * std::abs(path.distance - query.distance);
-  path.costs.time =
-      options.time_weight * std::abs(path.frame_count - query.time * metrics.frames_per_second());
-
+  MotionPath path = path_detail::path_of_walk(metrics, query, options, graph, walk.edges);
   const GroundTrack track = ground_track(metrics, path);
   if (query.goal) {
     path.costs.position = options.position_weight * (track.centers.back() - query.goal->position).norm();

@@ -12,6 +12,7 @@
 #include "reprise/core/error.h"
 #include "reprise/path/ground_search.h"
 #include "reprise/path/state_graph.h"
+#include "reprise/path/walk_path.h"
 #include "reprise/path/walk_search.h"
 
 namespace reprise {
@@ -129,40 +130,10 @@ void check_query(const PathMetrics& metrics, const KeyframeQuery& query, const K
   check_clips(metrics, query, clip_names);
 }
 
-// Lays the walk out as segments and measures it anew, without the search's roundings.
 MotionPath path_from_walk(const PathMetrics& metrics, const KeyframeQuery& query,
                           const KeyframeOptions& options, const path_detail::StateGraph& graph,
                           const path_detail::Walk& walk) {
-  MotionPath path;
-  PathSegment segment;
-  segment.clip_idx = query.keyframes.front().clip_idx;
-  segment.first_frame = static_cast<int>(query.keyframes.front().frame_idx);
-  int steps = 0;
-  for (const std::int32_t edge_idx : walk.edges) {
-    const path_detail::StateEdge& edge = graph.edges[static_cast<std::size_t>(edge_idx)];
-    if (edge.transition < 0) continue;
-    const auto transition_idx = static_cast<std::size_t>(edge.transition);
-    const Transition& transition = metrics.transitions()[transition_idx];
-    segment.last_frame = transition.leave();
-    segment.transition = transition;
-    path.costs.transitions += transition.cost;
-    path.distance += metrics.clip_distance(segment.clip_idx, segment.first_frame, segment.last_frame) +
-                     metrics.blend_distance(transition_idx);
-    steps += segment.last_frame - segment.first_frame + 2 * transition.half_window;
-    path.segments.push_back(segment);
-    segment =
-        PathSegment{.clip_idx = transition.target_clip, .first_frame = transition.arrive(), .transition = {}};
-  }
-  segment.last_frame = static_cast<int>(query.keyframes.back().frame_idx);
-  path.distance += metrics.clip_distance(segment.clip_idx, segment.first_frame, segment.last_frame);
-  steps += segment.last_frame - segment.first_frame;
-  path.segments.push_back(segment);
-
-  path.frame_count = steps + 1;
-  path.time = path.frame_count / metrics.frames_per_second();
-  path.costs.distance = options.distance_weight * std::abs(path.distance - query.distance);
-  path.costs.time =
-      options.time_weight * std::abs(path.frame_count - query.time * metrics.frames_per_second());
+  MotionPath path = path_detail::path_of_walk(metrics, query, options, graph, walk.edges);
   path.cost = path.costs.total();
   const bool proved = walk.lower_bound >= walk.cost - path_detail::cost_tolerance;
   path.lower_bound = proved ? path.cost : std::min(walk.lower_bound, path.cost);

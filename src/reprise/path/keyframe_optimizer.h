@@ -42,7 +42,7 @@ class PathMetrics {
   }
   // Ground centre at frame k in [-L, L] of a transition's blend, in the source clip's coordinates.
   Eigen::Vector2d blend_center(std::size_t transition_idx, int k) const;
-  // The same without the transitions marked (one mark each).
+  // The same without the transitions marked. Throws `InvalidArgument` unless there is one mark a transition.
   PathMetrics without(const std::vector<bool>& transitions) const;
 
  private:
@@ -57,21 +57,20 @@ class PathMetrics {
 // The path that minimises C(P) = C_tran + w_dist |dist(P) - d_V| + w_time |time(P) - t_V| (Eq. 7) over all
 // walks on the graph that show the key-frames in order, loops any number of times, with a certificate.
 //
-// Method: best-first search over labels (decision frame, key-frames shown, frames elapsed, distance, cost). A
-// label is dropped if another with the same first three has cost lower by at least w_dist times their
-// difference in distance: whatever follows, it cannot do worse. What follows is bounded by tables, over
-// frames to go, of the least transition cost plus multiplier times distance, for several multipliers
-// between -w_dist and w_dist. A consecutive pair of equal key-frames asks for a loop: a key-frame must be
-// shown strictly later than the one before it.
+// Method: partial paths (decision frame, key-frames shown, frames elapsed, distance, cost) are swept in the
+// order of time, those whose lower bound is below a rising threshold. One is dropped if another with the same
+// first three has cost lower by at least w_dist times their difference in distance: whatever follows, it
+// cannot do worse. What follows is bounded by tables, over frames to go, of the least transition cost plus
+// multiplier times distance, for several multipliers between -w_dist and w_dist. A consecutive pair of equal
+// key-frames asks for a loop: a key-frame must be shown strictly later than the one before it.
 //
 // Hard limits on distance are met by steeper slopes outside of them: an optimum of that problem that keeps
 // the limits is the optimum of the limited one. A query with a goal or a route goes to `find_ground_path`
 // (ground_search.h), whose gap may be greater than zero.
 //
-// Costs that differ by less than 1e-9 count as equal; then the gap is exactly 0. With w_time = 0 time is
-// ignored; with a w_time > 0 so small that walks of any length compete (tables of over 4 million cells) the
-// path is the optimum for w_time = 0, and its gap says what that may have lost. One thread; the same query
-// gives the same path.
+// Costs that differ by less than 1e-9 count as equal; then the gap is exactly 0. The gap is greater only if
+// the search ended at `max_labels`. With w_time = 0 time is ignored. One thread; the same query gives the
+// same path.
 //
 // Throws `InvalidArgument` for fewer than two key-frames, a frame out of range, a target, limit or weight
 // that is negative or not a number, limits that contradict each other, a clip that is both compulsory and
@@ -85,7 +84,8 @@ tl::expected<MotionPath, NoPath> find_keyframe_path(const PathMetrics& metrics, 
 class KeyframeOptimizer {
  public:
   // `query`: its targets are ignored; a goal or a route is refused. `longest_time`: the greatest target that
-  // will be asked for, seconds (others take longer to find). Keeps a reference to `metrics`.
+  // will be asked for, seconds (others take longer to find). Keeps a reference to `metrics`. Throws what
+  // `find_keyframe_path` throws, and `InvalidArgument` for a goal, a route or a time that is negative.
   KeyframeOptimizer(const PathMetrics& metrics, KeyframeQuery query, const KeyframeOptions& options,
                     const std::vector<std::string>& clip_names, double longest_time);
   ~KeyframeOptimizer();

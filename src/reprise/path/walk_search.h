@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Reprise authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Exact best-first search for the cheapest walk through a state graph.
+// Exact search for the cheapest walk through a state graph.
 
 #pragma once
 

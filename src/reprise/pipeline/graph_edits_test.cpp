@@ -5,16 +5,14 @@
 
 #include <algorithm>
 #include <functional>
-#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <spdlog/sinks/ostream_sink.h>
-#include <spdlog/spdlog.h>
 
 #include "reprise/core/error.h"
 #include "reprise/graph/graph_components.h"
 #include "reprise/pipeline/graph.h"
+#include "support/captured_log.h"
 #include "support/shapes.h"
 #include "support/test_data.h"
 
@@ -41,22 +39,6 @@ auto all_fields(const std::vector<Transition>& transitions) {
   for (const Transition& t : transitions) result.push_back(fields(t));
   return result;
 }
-
-class CapturedLog {
- public:
-  CapturedLog() : before_(spdlog::default_logger()) {
-    spdlog::set_default_logger(
-        std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(text_)));
-  }
-  ~CapturedLog() { spdlog::set_default_logger(before_); }
-  CapturedLog(const CapturedLog&) = delete;
-  CapturedLog& operator=(const CapturedLog&) = delete;
-  std::string text() const { return text_.str(); }
-
- private:
-  std::ostringstream text_;
-  std::shared_ptr<spdlog::logger> before_;
-};
 
 class GraphEdits : public ::testing::Test {
  protected:
@@ -91,7 +73,7 @@ class GraphEdits : public ::testing::Test {
     return "";
   }
   std::string warning(const GraphOptions& edits, const SurfaceMotionGraph& previous) const {
-    const CapturedLog log;
+    const test::CapturedLog log;
     edited(edits, previous);
     return log.text();
   }
@@ -313,7 +295,7 @@ TEST_F(GraphEdits, OfAnotherDatabaseAreRefusedIfTheyDoNotFit) {
               AllOf(HasSubstr("removes slow->fast"), HasSubstr("no clip 'fast'")));
   EXPECT_EQ(refusal({slow}, edited({.remove = {"*->f*"}}, graph_)), "") << "a pattern may match nothing";
   // Other contents: the edits are kept, with a warning.
-  const CapturedLog log;
+  const test::CapturedLog log;
   EXPECT_EQ(refusal({test::walk("slow", 70, 0.031, 20.0), fast}, previous), "");
   EXPECT_THAT(log.text(), HasSubstr("made from other contents"));
 }
