@@ -109,7 +109,7 @@ cmp -s figure.reprise marked.reprise || fail "a markup written and read back cha
 expect 0 "19 joints" "$reprise" info new.reprise
 expect 1 "did you mean 'walk'" "$reprise" skeleton figure.reprise --clip wlak
 expect 1 "another.txt: expected a name that ends in .json" "$reprise" skeleton figure.reprise --report another.txt
-expect 1 "expected landmarks or a markup file" "$reprise" markup figure.reprise -o marked.reprise
+expect 1 "expected landmarks, a markup file or parts" "$reprise" markup figure.reprise -o marked.reprise
 expect 1 "nothing to do" "$reprise" markup figure.reprise
 expect 2 "excludes" "$reprise" markup figure.reprise --file markup.json --landmarks markup.json -o marked.reprise
 expect 1 "is not a landmark file" "$reprise" markup figure.reprise --landmarks markup.json -o marked.reprise
@@ -119,12 +119,86 @@ expect 1 "there is no landmark 'nose'" "$reprise" markup figure.reprise --landma
   -o marked.reprise
 expect 1 "not written over" "$reprise" markup figure.reprise --file markup.json -o figure.reprise
 
+# Models of deformation, measured
+expect 0 "| 12 | part |" "$reprise" evaluate deformation figure.reprise --held wave --every 20 --constraints 12 \
+  --count 12 --pictures 1 -o deformation
+for file in deformation.md deformation.csv frames.csv deformation.png pictures.png; do
+  [ -s "deformation/$file" ] || fail "evaluate deformation wrote no $file"
+done
+expect 1 "there is no clip" "$reprise" evaluate deformation figure.reprise --held nobody -o deformation
+expect 1 "did you mean 'part'" "$reprise" evaluate deformation figure.reprise --model prat -o deformation
+expect 1 "name both or none" "$reprise" perform --motion walk.bvh --limbs left_upper_arm -o limbs.reprise
+expect 1 "none for the body" "$reprise" perform --limbs-from walk.bvh --limbs left_upper_arm -o limbs.reprise
+
+# Editing
+cat > hand.json <<'EOS'
+{"format": "reprise edit", "version": 1, "model": "laplacian", "steps": [
+  {"anchors": [{"part": "torso"}], "handles": [{"joint": "left_upper_arm", "move": [0, 0.05, 0.05]}]},
+  {"handles": [{"joint": "head", "turn": {"axis": [0, 1, 0], "degrees": 20}}]}]}
+EOS
+edit=(edit figure.reprise --script hand.json --frame walk:16 -o edited.reprise)
+expect 0 "clip 'edit', 1 frame, model laplacian" "$reprise" "${edit[@]}" --report edit.json --picture edit.png
+expect 0 '"residual"' cat edit.json
+expect 0 "PNG" head -c 8 edit.png
+expect 0 "19 joints" "$reprise" info edited.reprise
+expect 0 "clip 'edit', 3 frames" "$reprise" "${edit[@]}" --steps
+expect 0 "clip 'edit', 1 frame, model lbs" "$reprise" "${edit[@]}" --model lbs
+expect 0 "clip 'walk'" "$reprise" "${edit[@]}" --window 0.2 --model dqs
+expect 0 "pop ratio" "$reprise" "${edit[@]}" --window 0.2
+expect 0 "pop ratio" "$reprise" evaluate naturalness edited.reprise --database figure.reprise
+keep edited.reprise
+expect 1 "names no frame" "$reprise" edit figure.reprise --script hand.json -o edited.reprise
+expect 1 "did you mean 'walk'" "$reprise" edit figure.reprise --script hand.json --frame wlak:1 -o edited.reprise
+sed 's/left_upper_arm/left_uper_arm/' hand.json > typo.json
+expect 1 "typo.json:steps[0].handles[0]: " "$reprise" edit figure.reprise --script typo.json --frame walk:16 -o edited.reprise
+grep -qF "did you mean 'left_upper_arm'" out.txt || fail "a typo in a script got no suggestion"
+expect 1 "is not an edit script" "$reprise" edit figure.reprise --script markup.json --frame walk:16 -o edited.reprise
+expect 1 "model learn" "$reprise" "${edit[@]}" --model part
+expect 1 "window: expected" "$reprise" "${edit[@]}" --window -1
+expect 1 "not written over" "$reprise" edit figure.reprise --script hand.json --frame walk:16 -o figure.reprise
+expect 1 ".png" "$reprise" "${edit[@]}" --picture edit.jpg
+expect 2 "--model" "$reprise" "${edit[@]}" --model clay
+expect 2 "excludes" "$reprise" "${edit[@]}" --steps --window 1
+unchanged edited.reprise
+
+# Learning
+expect 0 "whole model: examples in" "$reprise" model learn figure.reprise --count 6 --without jog,wave -o learnt.reprise \
+  --report learnt.json --write-examples examples.json
+expect 0 '"covering_radius"' cat learnt.json
+expect 0 "part model: torso (" "$reprise" info learnt.reprise
+expect 0 '"format_version": 3' "$reprise" info learnt.reprise --json
+expect 0 "walk:" cat examples.json
+cp learnt.reprise again.reprise
+expect 0 "again.reprise" "$reprise" model learn again.reprise --examples examples.json
+cmp -s learnt.reprise again.reprise || fail "a list of examples learnt something else than the choice it was written from"
+expect 0 "left_shin" "$reprise" model learn figure.reprise --parts limbs --model part --count 3 -o limbs.reprise
+expect 0 "left_arm" "$reprise" model learn figure.reprise --parts markup.json --model part --count 3 -o learnt2.reprise
+expect 0 "learnt.reprise" "$reprise" markup learnt.reprise --parts limbs -o relabelled.reprise
+expect 0 "part model: torso (" "$reprise" info relabelled.reprise
+expect 0 "model part" "$reprise" edit learnt.reprise --script hand.json --frame walk:16 -o edited.reprise --model part
+keep learnt.reprise
+learn=(model learn learnt.reprise --count 3)
+expect 1 "did you mean 'wave'" "$reprise" "${learn[@]}" --without wvae
+echo '{"format": "reprise examples", "version": 1, "parts": {"torso": ["walk:0"]}}' > torso.json
+expect 1 "torso.json: names no example for part 'head'" "$reprise" "${learn[@]}" --examples torso.json
+sed 's/walk:0/wlak:0/' torso.json > typo.json
+expect 1 "did you mean 'walk'" "$reprise" "${learn[@]}" --examples typo.json
+expect 1 "nowhere.json" "$reprise" "${learn[@]}" --examples nowhere.json
+expect 1 "expected six, limbs or whole" "$reprise" "${learn[@]}" --parts eight
+expect 1 "is not a markup file" "$reprise" "${learn[@]}" --parts examples.json
+expect 1 "not written over" "$reprise" "${learn[@]}" -o ./learnt.reprise
+expect 1 ".reprise" "$reprise" "${learn[@]}" -o learnt.h5
+expect 2 "--count" "$reprise" "${learn[@]}" --count 0
+expect 2 "--keep" "$reprise" "${learn[@]}" --keep 1.5
+expect 2 "subcommand" "$reprise" model
+unchanged learnt.reprise
+
 # The command line itself
 expect 2 "subcommand" "$reprise"
 expect 2 "there is no command 'nonsense'" "$reprise" nonsense
 expect 2 "did you mean 'keyframes'" "$reprise" keyframe
 expect 2 "--output is required" "$reprise" graph figure.reprise
-for command in perform import info validate markup skeleton similarity graph keyframes play export render "evaluate naturalness" "evaluate keyframes"; do
+for command in perform import info validate markup skeleton similarity graph keyframes play edit export render "model learn" "evaluate naturalness" "evaluate keyframes" "evaluate deformation"; do
   # shellcheck disable=SC2086
   expect 0 "OPTIONS" "$reprise" $command --help
 done
@@ -176,6 +250,8 @@ expect 1 "CLIP:FRAME" "$reprise" keyframes figure.reprise --graph graph.json --f
 "$reprise" export figure.reprise --clip stand -o stand_obj --format obj > out.txt 2>&1 || fail "export of OBJ"
 expect 0 "2 clips imported" "$reprise" import pair.reprise --sequence walk=walk --sequence stand=stand_obj -v
 expect 1 "has no markup" "$reprise" skeleton pair.reprise
+expect 1 "has no markup" "$reprise" model learn pair.reprise
+expect 0 "body" "$reprise" model learn pair.reprise --model whole --count 4 -o pair_learnt.reprise
 
 # Similarity: every metric, and what it asks for
 coarse=(--bins '3,4,8,2,2,2' --refinement 2 --voxel 0.1)
@@ -222,6 +298,7 @@ expect 1 "thesis.txt" "$reprise" export new.reprise -o mine --format obj
 keep figure.reprise
 for target in "export figure.reprise --clip walk -o full.glb" "export figure.reprise --clip walk -o full.mdd" \
   "export figure.reprise --clip walk -o full --format ply" "perform --costume figure -o figure.reprise" \
+  "model learn figure.reprise --count 3" \
   "import figure.reprise --sequence walk=walk"; do
   # A limit on the size of files is the nearest thing to a full disk that needs no rights.
   # shellcheck disable=SC2086

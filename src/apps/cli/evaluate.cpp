@@ -10,6 +10,8 @@ namespace reprise::cli {
 
 Action add_evaluate(CLI::App& command) {
   command.require_subcommand(1);
+  CLI::App* deformation = command.add_subcommand(
+      "deformation", "how well each model of deformation makes frames that were held out, with pictures");
   CLI::App* keyframes = command.add_subcommand(
       "keyframes", "errors, certificates and CPU time over a grid of targets, with pictures");
   CLI::App* naturalness =
@@ -17,6 +19,7 @@ Action add_evaluate(CLI::App& command) {
   CLI::App* similarity =
       command.add_subcommand("similarity", "how well the metrics tell which frames are alike, with pictures");
   const std::vector<std::pair<CLI::App*, Action>> actions = {
+      {deformation, add_evaluate_deformation(*deformation)},
       {keyframes, add_evaluate_keyframes(*keyframes)},
       {naturalness, add_evaluate_naturalness(*naturalness)},
       {similarity, add_evaluate_similarity(*similarity)}};

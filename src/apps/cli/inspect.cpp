@@ -49,6 +49,16 @@ Action add_info(CLI::App& command) {
         fmt::print("  {} {}: {}\n", items.size(), kind, fmt::join(texts, ", "));
       }
     }
+    for (const char* model : {"part", "whole"}) {
+      const nlohmann::json& learnt = info["models"][model];
+      if (learnt.is_null()) continue;
+      std::vector<std::string> texts;
+      for (const nlohmann::json& part : learnt["parts"]) {
+        texts.push_back(fmt::format("{} ({} components, {} examples)", part["name"].get<std::string>(),
+                                    part["components"].get<int>(), part["examples"].get<int>()));
+      }
+      fmt::print("  {} model: {}\n", model, fmt::join(texts, ", "));
+    }
     for (const nlohmann::json& clip : info["clips"]) {
       fmt::print(
           "  {:<20} {:>6} frames  {:>7.2f} s at {:g} fps{}{}{}{}\n", clip["name"].get<std::string>(),

@@ -87,6 +87,7 @@ Action add_keyframes(CLI::App& command) {
     }
     DatabaseWriter writer(arguments->output, database.topology());
     if (database.markup()) writer.set_markup(*database.markup());
+    writer.set_models(database.models());
     for (const KeyframesResult& result : *results) writer.write_clip(result.animation);
     writer.set_note(report.dump());
     writer.commit();

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -16,6 +17,7 @@ Action add_markup(CLI::App& command) {
   struct Arguments {
     std::filesystem::path database;
     std::filesystem::path output;
+    std::string parts;
     MarkupOptions options;
   };
   const auto arguments = std::make_shared<Arguments>();
@@ -31,10 +33,14 @@ Action add_markup(CLI::App& command) {
       "--keep-joints", options.keep_joints,
       "leave the proposed joints where the landmarks put them, instead of moving them to where the "
       "bones agree best through all clips");
+  command.add_option("--parts", arguments->parts,
+                     "make the parts anew from the joint labels: six (torso, head, arms, legs), limbs (upper "
+                     "arm, forearm, hand, thigh, shin and foot each a part) or whole (one part)");
   command.add_option("-o,--output", arguments->output, "database to write, with the markup");
   command.add_option("--write-json", options.write_json,
                      "write the markup as FILE.json; alone: the one the database has");
   return [arguments] {
+    if (!arguments->parts.empty()) arguments->options.parts = parse_part_scheme(arguments->parts);
     const Markup markup = mark_up(arguments->database, arguments->options, arguments->output);
     for (const std::filesystem::path& path : {arguments->output, arguments->options.write_json}) {
       if (path.empty()) continue;

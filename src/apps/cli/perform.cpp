@@ -43,6 +43,16 @@ Action add_perform(CLI::App& command) {
       .add_option("--motion-scale", options.motion_scale,
                   "metres per unit of the file (default: 0.01 for BVH, 0.0564 for ASF/AMC)")
       ->group(motion);
+  command.add_option("--limbs-from", options.limbs_motion, "BVH file that some limbs are taken from instead")
+      ->group(motion);
+  command
+      .add_option(
+          "--limbs", options.limbs.limbs,
+          "joints of these limbs, such as left_upper_arm,right_upper_arm; what hangs on them goes along")
+      ->delimiter(',')
+      ->group(motion);
+  command.add_option("--limbs-start", options.limbs.start, "seconds of that file left out at its start")
+      ->group(motion);
 
   const char* const effects = "Capture effects, off by default";
   command.add_option("--noise", performer.effects.noise, "reconstruction noise along the normal, metres")

@@ -67,6 +67,7 @@ Action add_play(CLI::App& command) {
 
     DatabaseWriter writer(arguments->output, database.topology());
     if (database.markup()) writer.set_markup(*database.markup());
+    writer.set_models(database.models());
     writer.write_clip(result->animation);
     writer.set_note(result->report.dump());
     writer.commit();

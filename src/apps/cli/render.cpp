@@ -12,6 +12,7 @@
 #include "command.h"
 #include "reprise/pipeline/open.h"
 #include "reprise/pipeline/outputs.h"
+#include "reprise/pipeline/part_colors.h"
 
 namespace reprise::cli {
 
@@ -48,7 +49,8 @@ Action add_render(CLI::App& command) {
                      "middle: 0,0.93 is the face, 0,0.03 the feet");
   command.add_option(
       "--appearance", arguments->appearance,
-      "auto (texture if there is one, else vertex colours, else plain), texture, colors or plain");
+      "auto (texture if there is one, else vertex colours, else plain), texture, colors, plain or parts (the "
+      "body parts, mixed by their weights)");
   command.add_option("--samples", view.samples, "samples per pixel against jagged edges");
   command.add_flag("--no-floor", arguments->no_floor, "draw no floor");
   command.add_option("--frames", arguments->frames, "which frames: FIRST:LAST or FIRST:LAST:STEP");
@@ -60,10 +62,13 @@ Action add_render(CLI::App& command) {
     parse_size(arguments->size, options.view);
     options.view.camera = parse_camera(arguments->camera);
     options.view.floor = !arguments->no_floor;
-    options.view.appearance = parse_appearance(arguments->appearance);
+    const bool show_parts = arguments->appearance == "parts";
+    options.view.appearance =
+        show_parts ? Appearance::vertex_colors : parse_appearance(arguments->appearance);
     if (!arguments->look_at.empty()) parse_look_at(arguments->look_at, options.view);
     if (!arguments->frames.empty()) options.frames = parse_frame_range(arguments->frames);
-    const MeshSequence clip = open_clip(arguments->database, arguments->clip);
+    MeshSequence clip = open_clip(arguments->database, arguments->clip);
+    if (show_parts) color_parts(clip, arguments->database);
     const RenderReport report = render_sequence(clip, arguments->output, options);
     fmt::print("{}: {} frames, {:.1f} frames/s\n", arguments->output.string(), report.frames,
                static_cast<double>(report.frames) / report.seconds);

@@ -42,41 +42,6 @@ void check_reference(const Markup& markup, std::int32_t vertex_count) {
   }
 }
 
-void check_parts(const Markup& markup, std::int32_t vertex_count) {
-  std::set<std::string> names;
-  for (std::size_t p = 0; p < markup.parts.size(); ++p) {
-    const BodyPart& part = markup.parts[p];
-    if (part.name.empty()) throw InvalidArgument(fmt::format("part {} has no name", p));
-    if (!names.insert(part.name).second) {
-      throw InvalidArgument(fmt::format("there are two parts named '{}'", part.name));
-    }
-    if (part.parent < -1 || part.parent >= static_cast<int>(p)) {
-      throw InvalidArgument(
-          fmt::format("part '{}' has the parent {}; expected -1 or the index of a part before it ({})",
-                      part.name, part.parent, p));
-    }
-    if ((part.parent == -1) != (p == 0)) {
-      throw InvalidArgument(
-          fmt::format("part '{}' {} a parent; expected one tree of parts whose root comes first", part.name,
-                      part.parent == -1 ? "lacks" : "has"));
-    }
-    if (part.vertices.empty()) {
-      throw InvalidArgument(fmt::format("part '{}' holds no vertex", part.name));
-    }
-    for (std::size_t i = 0; i < part.vertices.size(); ++i) {
-      const std::int32_t v = part.vertices[i];
-      if (v < 0 || v >= vertex_count) {
-        throw InvalidArgument(
-            fmt::format("part '{}' holds vertex {}, but there are {} vertices", part.name, v, vertex_count));
-      }
-      if (i > 0 && v <= part.vertices[i - 1]) {
-        throw InvalidArgument(fmt::format("part '{}' holds vertex {} after {}; expected ascending vertices",
-                                          part.name, v, part.vertices[i - 1]));
-      }
-    }
-  }
-}
-
 void check_layers(const Markup& markup, std::int32_t vertex_count) {
   if (markup.layers.empty() != markup.layer_of_vertex.empty()) {
     throw InvalidArgument(fmt::format("{} layers are named, but {} vertices have one", markup.layers.size(),
@@ -112,12 +77,47 @@ std::vector<std::int32_t> Markup::vertices_of_joint(int joint_idx) const {
   return vertices;
 }
 
+void validate(const std::vector<BodyPart>& parts, std::int32_t vertex_count) {
+  std::set<std::string> names;
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    const BodyPart& part = parts[p];
+    if (part.name.empty()) throw InvalidArgument(fmt::format("part {} has no name", p));
+    if (!names.insert(part.name).second) {
+      throw InvalidArgument(fmt::format("there are two parts named '{}'", part.name));
+    }
+    if (part.parent < -1 || part.parent >= static_cast<int>(p)) {
+      throw InvalidArgument(
+          fmt::format("part '{}' has the parent {}; expected -1 or the index of a part before it ({})",
+                      part.name, part.parent, p));
+    }
+    if ((part.parent == -1) != (p == 0)) {
+      throw InvalidArgument(
+          fmt::format("part '{}' {} a parent; expected one tree of parts whose root comes first", part.name,
+                      part.parent == -1 ? "lacks" : "has"));
+    }
+    if (part.vertices.empty()) {
+      throw InvalidArgument(fmt::format("part '{}' holds no vertex", part.name));
+    }
+    for (std::size_t i = 0; i < part.vertices.size(); ++i) {
+      const std::int32_t v = part.vertices[i];
+      if (v < 0 || v >= vertex_count) {
+        throw InvalidArgument(
+            fmt::format("part '{}' holds vertex {}, but there are {} vertices", part.name, v, vertex_count));
+      }
+      if (i > 0 && v <= part.vertices[i - 1]) {
+        throw InvalidArgument(fmt::format("part '{}' holds vertex {} after {}; expected ascending vertices",
+                                          part.name, v, part.vertices[i - 1]));
+      }
+    }
+  }
+}
+
 void validate(const Markup& markup, std::int32_t vertex_count) {
   if (markup.skeleton.joints.empty()) throw InvalidArgument("the markup has no joint");
   validate(markup.skeleton);
   check_reference(markup, vertex_count);
   check_labels(markup, vertex_count);
-  check_parts(markup, vertex_count);
+  validate(markup.parts, vertex_count);
   check_layers(markup, vertex_count);
 }
 

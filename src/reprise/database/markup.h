@@ -44,6 +44,9 @@ struct Markup {
 // reference that is not finite.
 void validate(const Markup& markup, std::int32_t vertex_count);
 
+// The same for parts alone; no parts are none to complain of.
+void validate(const std::vector<BodyPart>& parts, std::int32_t vertex_count);
+
 // Feet of a frame that stand on the ground: left, right.
 using FootContacts = std::array<bool, 2>;
 

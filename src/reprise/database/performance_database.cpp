@@ -159,6 +159,15 @@ void PerformanceDatabase::set_truth(std::size_t clip_idx, ClipTruth truth) {
   truths_[clip_idx] = std::move(truth);
 }
 
+void PerformanceDatabase::set_models(LearntModels models) {
+  if (!models.empty()) {
+    if (!topology_)
+      throw InvalidArgument("a learnt model needs a database with a clip: it deforms its surface");
+    validate(models, topology_->vertex_count);
+  }
+  models_ = std::move(models);
+}
+
 std::string PerformanceDatabase::content_hash() const {
   ContentHash hash;
   if (topology_) {

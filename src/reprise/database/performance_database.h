@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "reprise/database/learnt_model.h"
 #include "reprise/database/markup.h"
 #include "reprise/sequence/mesh_sequence.h"
 
@@ -64,7 +65,14 @@ class PerformanceDatabase {
   const ClipTruth* truth(std::size_t clip_idx) const;
   void set_truth(std::size_t clip_idx, ClipTruth truth);
 
+  // How parts and whole were learnt to deform, as far as they were. Their reference and parts are their own:
+  // another markup leaves them as they are, and so do clips added later. Throws `InvalidArgument` if they do
+  // not fit the topology, or if there is no clip yet.
+  const LearntModels& models() const { return models_; }
+  void set_models(LearntModels models);
+
   // Content hash of names, rates, topology and positions: the key of everything computed from the database.
+  // Markup, truth and models are no part of it.
   std::string content_hash() const;
   // Hash of what `content_hash` leaves out and a look depends on: colours, texture and its coordinates.
   std::string appearance_hash() const;
@@ -76,6 +84,7 @@ class PerformanceDatabase {
   std::size_t frame_count_ = 0;
   std::optional<Markup> markup_;
   std::vector<std::optional<ClipTruth>> truths_;  // one a clip
+  LearntModels models_;
 };
 
 }  // namespace reprise

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "reprise/core/error.h"
+#include "reprise/database/learnt_model_test_support.h"
 #include "support/shapes.h"
 
 namespace reprise {
@@ -132,6 +133,35 @@ TEST(PerformanceDatabase, KeepsMarkupAndTruth) {
   EXPECT_FALSE(database.markup());
   EXPECT_EQ(database.truth(1), nullptr);
   EXPECT_EQ(crane_and_jumping().content_hash(), hash);
+}
+
+TEST(PerformanceDatabase, KeepsModelsWhateverBecomesOfTheMarkup) {
+  const LearntModels models =
+      test::learnt_models(Positions::Zero(4, 3), {{.name = "torso", .parent = -1, .vertices = {0, 1, 2, 3}},
+                                                  {.name = "leg", .parent = 0, .vertices = {2, 3}}});
+  PerformanceDatabase database;
+  EXPECT_TRUE(database.models().empty());
+  EXPECT_NO_THROW(database.set_models({}));
+  EXPECT_THAT([&] { database.set_models(models); },
+              ThrowsMessage<InvalidArgument>(HasSubstr("needs a database with a clip")));
+  database = crane_and_jumping();
+  const std::string hash = database.content_hash();
+  database.set_markup(two_bones());
+  database.set_models(models);
+  EXPECT_EQ(database.content_hash(), hash);
+  database.set_markup(std::nullopt);
+  database.add(clip("late", 2));
+  ASSERT_EQ(database.models().part.parts.size(), 2U);
+  EXPECT_EQ(database.models().part.parts[0].basis, models.part.parts[0].basis);
+  EXPECT_EQ(database.models().whole.parts.size(), 1U);
+  // Models of another surface: those it has stay.
+  LearntModels other = models;
+  other.whole.reference = Positions::Zero(5, 3);
+  EXPECT_THAT([&] { database.set_models(other); },
+              ThrowsMessage<InvalidArgument>(HasSubstr("5 vertices; expected 4")));
+  EXPECT_FALSE(database.models().empty());
+  database.set_models({});
+  EXPECT_TRUE(database.models().empty());
 }
 
 TEST(PerformanceDatabase, HashesAppearanceApartFromShape) {

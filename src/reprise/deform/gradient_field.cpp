@@ -47,16 +47,6 @@ Eigen::Matrix2d planar_edges(const Corners& corners, double min_aspect, double f
   return edges;
 }
 
-double mean_edge_length(const Topology& topology, const PositionsView& positions) {
-  double sum = 0.0;
-  for (const Triangle& triangle : topology.triangles) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      sum += (positions.row(triangle[k]) - positions.row(triangle[(k + 1) % 3])).cast<double>().norm();
-    }
-  }
-  return sum / (3.0 * static_cast<double>(topology.triangles.size()));
-}
-
 }  // namespace
 
 TriangleGradient GradientKernel::degenerate(const Triangle& triangle, const Eigen::Vector3d& e1,
@@ -136,17 +126,21 @@ PoissonReconstruction::PoissonReconstruction(TopologyPtr topology, const Positio
   L_ = SparseCholesky(held);
 }
 
+Eigen::Matrix3d PoissonReconstruction::element_laplacian(std::size_t triangle_idx) const {
+  const ReferenceTriangle& flat = reference_triangles_.at(triangle_idx);
+  // Gradients of the three hat functions (LPBM Eq. 1), one a row.
+  Eigen::Matrix<double, 3, 2> G;
+  G.bottomRows<2>() = flat.inverse_edges;
+  G.row(0) = -flat.inverse_edges.colwise().sum();
+  return flat.area * G * G.transpose();
+}
+
 Eigen::SparseMatrix<double> PoissonReconstruction::laplacian() const {
   std::vector<Eigen::Triplet<double>> entries;
   entries.reserve(9 * topology_->triangles.size());
   for (std::size_t t = 0; t < reference_triangles_.size(); ++t) {
     const Triangle& triangle = topology_->triangles[t];
-    const ReferenceTriangle& flat = reference_triangles_[t];
-    // Gradients of the three hat functions (LPBM Eq. 1), one a row.
-    Eigen::Matrix<double, 3, 2> G;
-    G.bottomRows<2>() = flat.inverse_edges;
-    G.row(0) = -flat.inverse_edges.colwise().sum();
-    const Eigen::Matrix3d element = flat.area * G * G.transpose();
+    const Eigen::Matrix3d element = element_laplacian(t);
     for (int i = 0; i < 3; ++i) {
       for (int j = 0; j < 3; ++j) {
         entries.emplace_back(triangle[static_cast<std::size_t>(i)], triangle[static_cast<std::size_t>(j)],

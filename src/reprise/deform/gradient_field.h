@@ -51,6 +51,9 @@ class PoissonReconstruction {
   // (widened) reference.
   Eigen::SparseMatrix<double> laplacian() const;
 
+  // The share of one triangle in L: A G G^T of its three hat functions, 3 x 3 by corner. Rows add up to 0.
+  Eigen::Matrix3d element_laplacian(std::size_t triangle_idx) const;
+
   // Vertex centroids of the connected components, C x 3. An unreferenced vertex is a component of its own.
   Eigen::MatrixX3d component_centroids(const PositionsView& positions) const;
 

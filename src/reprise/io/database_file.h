@@ -17,7 +17,9 @@
 
 namespace reprise {
 
-inline constexpr int database_format_version = 2;
+// The latest version this program reads. A file without learnt models is written as version 2, so that
+// earlier programs read it.
+inline constexpr int database_format_version = 3;
 
 struct ClipInfo {
   std::string name;
@@ -44,6 +46,8 @@ class DatabaseReader {
   int format_version() const;
   // Joints, parts and layers, if the file holds them.
   const std::optional<Markup>& markup() const;
+  // What was learnt of the performer, read now: empty if the file holds nothing of it.
+  LearntModels read_models() const;
   // Text stored with the file by `DatabaseWriter::set_note`, or empty: for a generated file, the JSON report.
   std::string note() const;
 
@@ -73,6 +77,10 @@ class DatabaseWriter {
   // fits the topology.
   void set_markup(const Markup& markup);
 
+  // What was learnt of the performer: once; empty models leave nothing in the file. Throws `InvalidArgument`
+  // unless they fit the topology.
+  void set_models(const LearntModels& models);
+
   // Starts a clip; the frames that follow belong to it. Throws `InvalidArgument` for a name that is taken or
   // unfit.
   void begin_clip(const std::string& name, double frames_per_second);
@@ -96,8 +104,9 @@ class DatabaseWriter {
   std::unique_ptr<Impl> impl_;
 };
 
-// Whole databases at once. `load_database` shows progress.
+// Whole databases at once. `load_database` shows progress. `note`: as `DatabaseWriter::set_note`.
 PerformanceDatabase load_database(const std::filesystem::path& path);
-void save_database(const PerformanceDatabase& database, const std::filesystem::path& target);
+void save_database(const PerformanceDatabase& database, const std::filesystem::path& target,
+                   const std::string& note = {});
 
 }  // namespace reprise

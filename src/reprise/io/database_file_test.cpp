@@ -244,9 +244,9 @@ TEST(DatabaseFile, ReadingSaysWhatIsWrongWithAFile) {
               ThrowsMessage<FileError>(AllOf(HasSubstr("truncated"), HasSubstr(std::to_string(bytes.size())),
                                              HasSubstr(std::to_string(bytes.size() - 1)))));
   std::string later = bytes;
-  later.replace(later.find("version 2"), 9, "version 3");
+  later.replace(later.find("version 2"), 9, "version 4");
   write_bytes(path, later);
-  EXPECT_THAT(open, ThrowsMessage<FileError>(AllOf(HasSubstr("version 3"), HasSubstr("up to 2"))));
+  EXPECT_THAT(open, ThrowsMessage<FileError>(AllOf(HasSubstr("version 4"), HasSubstr("up to 3"))));
 }
 
 TEST(DatabaseFile, AnyTruncationIsAnErrorNeverACrash) {

@@ -11,30 +11,14 @@
 #include <fmt/format.h>
 
 #include "reprise/core/error.h"
+#include "reprise/io/hdf5_contents.h"
 #include "reprise/io/image_file.h"
 
 namespace reprise {
 namespace {
 
-template <typename T>
-std::vector<T> read_column(const Hdf5Group& group, const char* name, std::size_t rows) {
-  const Hdf5Dataset dataset = group.dataset(name);
-  dataset.check_shape({rows});
-  return dataset.read<T>();
-}
-
 std::vector<std::string> read_names(const Hdf5Group& group, const char* name) {
   return group.dataset(name).read_texts();
-}
-
-// A broken precondition found in a file is the file's fault.
-template <typename Check>
-void check_contents(const Hdf5Group& group, const Check& check) {
-  try {
-    check();
-  } catch (const InvalidArgument& error) {
-    throw FileError(group.file_path(), group.name(), error.what());
-  }
 }
 
 void write_skeleton(Hdf5Group& group, const Skeleton& skeleton) {
@@ -64,6 +48,24 @@ Skeleton read_skeleton(const Hdf5Group& group) {
                                .rest_position = Eigen::Map<const Eigen::Vector3d>(&positions[3 * j])});
   }
   return skeleton;
+}
+
+}  // namespace
+
+void write_texture(Hdf5Group& topology, const Image& texture) {
+  const std::vector<std::byte> png = encode_png(texture);
+  const std::span bytes(reinterpret_cast<const std::uint8_t*>(png.data()), png.size());
+  topology.write<std::uint8_t>("texture", {bytes.size()}, bytes);
+}
+
+Image read_texture(const Hdf5Group& topology) {
+  const Hdf5Dataset dataset = topology.dataset("texture");
+  const auto bytes = read_column<std::uint8_t>(topology, "texture", dataset.size());
+  try {
+    return decode_png(std::as_bytes(std::span(bytes)));
+  } catch (const InvalidArgument& error) {
+    throw FileError(topology.file_path(), dataset.name(), error.what());
+  }
 }
 
 void write_parts(Hdf5Group& group, const std::vector<BodyPart>& parts) {
@@ -104,24 +106,6 @@ std::vector<BodyPart> read_parts(const Hdf5Group& group) {
     first += sizes[p];
   }
   return parts;
-}
-
-}  // namespace
-
-void write_texture(Hdf5Group& topology, const Image& texture) {
-  const std::vector<std::byte> png = encode_png(texture);
-  const std::span bytes(reinterpret_cast<const std::uint8_t*>(png.data()), png.size());
-  topology.write<std::uint8_t>("texture", {bytes.size()}, bytes);
-}
-
-Image read_texture(const Hdf5Group& topology) {
-  const Hdf5Dataset dataset = topology.dataset("texture");
-  const auto bytes = read_column<std::uint8_t>(topology, "texture", dataset.size());
-  try {
-    return decode_png(std::as_bytes(std::span(bytes)));
-  } catch (const InvalidArgument& error) {
-    throw FileError(topology.file_path(), dataset.name(), error.what());
-  }
 }
 
 void write_markup(Hdf5Group& group, const Markup& markup) {

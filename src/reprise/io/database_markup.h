@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "reprise/database/markup.h"
 #include "reprise/io/hdf5.h"
@@ -22,6 +23,11 @@ Image read_texture(const Hdf5Group& topology);
 // `markup`, `truth`: the group itself, new or read. What is written has been validated.
 void write_markup(Hdf5Group& group, const Markup& markup);
 Markup read_markup(const Hdf5Group& group, std::int32_t vertex_count);
+
+// The same within a group: datasets part_names, part_parents, part_sizes, part_vertices. Readers do not check
+// what the parts mean.
+void write_parts(Hdf5Group& group, const std::vector<BodyPart>& parts);
+std::vector<BodyPart> read_parts(const Hdf5Group& group);
 
 void write_truth(Hdf5Group& group, const ClipTruth& truth);
 ClipTruth read_truth(const Hdf5Group& group, const Skeleton& skeleton, std::size_t frame_count);

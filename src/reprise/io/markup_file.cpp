@@ -12,6 +12,8 @@
 #include "reprise/core/atomic_file.h"
 #include "reprise/core/error.h"
 #include "reprise/core/json_file.h"
+#include "reprise/database/body_parts.h"
+#include "reprise/database/part_tree.h"
 
 namespace reprise {
 namespace {
@@ -151,15 +153,68 @@ void read_joints(const JsonField& field, const Topology& topology, Markup& marku
   }
 }
 
-void read_parts(const JsonField& field, std::int32_t vertex_count, Markup& markup) {
-  std::vector<std::string> names;
+// Parts by the joints they follow: the first has none, and no part has vertices.
+std::vector<BodyPart> read_joint_parts(const JsonField& field, const Topology& topology,
+                                       const Markup& markup) {
+  std::vector<JointPart> parts;
   for (const JsonField& item : field.items()) {
-    item.warn_of_others({"name", "parent", "vertices"});
+    if (item.has("vertices"))
+      item["vertices"].fail("expected parts that have either all vertices or all joints");
+    JointPart& part = parts.emplace_back();
+    part.name = item["name"].text();
+    if (item.has("parent") && !item["parent"].is_null()) part.parent = item["parent"].text();
+    if (!item.has("joints")) continue;
+    for (const JsonField& joint : item["joints"].items()) part.joints.push_back(joint.text());
+  }
+  try {
+    return parts_of_joints(topology, markup.reference, markup.skeleton, markup.joint_of_vertex, parts);
+  } catch (const InvalidArgument& error) {
+    field.fail(error.what());
+  }
+}
+
+// Parts whose tree follows from the vertices they share.
+std::vector<BodyPart> derive_parts(const JsonField& field, const JsonField& root,
+                                   std::vector<BodyPart> parts) {
+  const std::string name = root.text();
+  const auto found = std::ranges::find(parts, name, &BodyPart::name);
+  if (found == parts.end()) root.fail(fmt::format("there is no part '{}'", name));
+  const auto root_idx = static_cast<int>(found - parts.begin());
+  try {
+    return derive_hierarchy(std::move(parts), root_idx);
+  } catch (const InvalidArgument& error) {
+    field.fail(error.what());
+  }
+}
+
+void read_parts(const JsonField& file, const Topology& topology, Markup& markup) {
+  const JsonField field = file["parts"];
+  const bool is_derived = file.has("root_part");
+  const std::vector<JsonField> items = field.items();
+  for (const JsonField& item : items) item.warn_of_others({"name", "parent", "vertices", "joints"});
+  if (std::ranges::any_of(items, [](const JsonField& item) { return item.has("joints"); })) {
+    if (is_derived) file["root_part"].fail("parts of joints have a tree; expected parts of vertices");
+    markup.parts = read_joint_parts(field, topology, markup);
+    return;
+  }
+  std::vector<std::string> names;
+  for (const JsonField& item : items) {
+    const bool has_parent = item.has("parent") && !item["parent"].is_null();
+    if (has_parent && is_derived) {
+      item["parent"].fail("expected no parents, since 'root_part' asks for a tree by shared vertices");
+    }
+    if (!has_parent && !is_derived && !names.empty()) {
+      item.fail(
+          fmt::format("part '{}' lacks a parent: expected the name of a part before it, or the field "
+                      "'root_part' in the file for a tree by shared vertices",
+                      item["name"].text()));
+    }
     markup.parts.push_back({.name = item["name"].text(),
-                            .parent = item.has("parent") ? read_parent(item["parent"], names) : -1,
-                            .vertices = read_vertices(item["vertices"], vertex_count)});
+                            .parent = has_parent ? read_parent(item["parent"], names) : -1,
+                            .vertices = read_vertices(item["vertices"], topology.vertex_count)});
     names.push_back(markup.parts.back().name);
   }
+  if (is_derived) markup.parts = derive_parts(field, file["root_part"], std::move(markup.parts));
 }
 
 void read_layers(const JsonField& field, std::int32_t vertex_count, Markup& markup) {
@@ -236,7 +291,7 @@ Markup read_markup_file(const std::filesystem::path& path, const PerformanceData
     throw InvalidArgument("a markup needs a database with a clip: it labels the vertices");
   const Json json = read_json_file(path);
   const JsonField file = open_format(path, json, markup_format, "markup file");
-  file.warn_of_others({"format", "version", "reference", "joints", "parts", "layers"});
+  file.warn_of_others({"format", "version", "reference", "joints", "parts", "root_part", "layers"});
   const Topology& topology = *database.topology();
   Markup markup;
   if (frame.empty()) {
@@ -246,7 +301,7 @@ Markup read_markup_file(const std::filesystem::path& path, const PerformanceData
     markup.reference = database.clip(id.clip_idx).frame(id.frame_idx);
   }
   read_joints(file["joints"], topology, markup);
-  if (file.has("parts")) read_parts(file["parts"], topology.vertex_count, markup);
+  if (file.has("parts")) read_parts(file, topology, markup);
   if (file.has("layers")) read_layers(file["layers"], topology.vertex_count, markup);
   try {
     validate(markup, topology.vertex_count);

@@ -125,6 +125,89 @@ TEST(MarkupFile, AJointWithoutPositionStandsOnItsBorder) {
   EXPECT_EQ(read.reference, base.clip(0).frame(1));
 }
 
+TEST(MarkupFile, PartsMayComeWithoutTheirTree) {
+  const test::TemporaryFolder folder;
+  const PerformanceDatabase base = database();
+  json file = {{"format", "reprise markup"},
+               {"version", 1},
+               {"reference", "rise:0"},
+               {"joints", {{{"name", "body"}, {"parent", nullptr}, {"vertices", {0, 1, 2, 3, 4, 5}}}}},
+               {"root_part", "middle"},
+               {"parts",
+                {{{"name", "end"}, {"vertices", {0, 1, 2}}},
+                 {{"name", "tail"}, {"vertices", {4, 5}}},
+                 {{"name", "middle"}, {"parent", nullptr}, {"vertices", {2, 1, 3, 4}}}}}};
+  write_text_file(folder / "m.json", file.dump());
+  const std::vector<BodyPart> parts = read_markup_file(folder / "m.json", base).parts;
+  ASSERT_EQ(parts.size(), 3U);
+  EXPECT_EQ(parts[0].name, "middle");
+  EXPECT_THAT(parts[0].vertices, ElementsAre(1, 2, 3, 4));
+  EXPECT_EQ(parts[1].name, "end");
+  EXPECT_EQ(parts[2].name, "tail");
+  EXPECT_EQ(parts[1].parent, 0);
+  EXPECT_EQ(parts[2].parent, 0);
+
+  const auto expect_refused = [&](const json& spoilt, const std::string& field, const std::string& what) {
+    write_text_file(folder / "m.json", spoilt.dump());
+    EXPECT_THAT([&] { (void)read_markup_file(folder / "m.json", base); },
+                ThrowsMessage<FileError>(AllOf(HasSubstr(field), HasSubstr(what))));
+  };
+  // No such root.
+  json bad = file;
+  bad["root_part"] = "torso";
+  expect_refused(bad, "root_part", "there is no part 'torso'");
+  // A tree twice.
+  bad = file;
+  bad["parts"][1]["parent"] = "end";
+  expect_refused(bad, "parts[1].parent", "expected no parents");
+  // Parts that do not hang together.
+  bad = file;
+  bad["parts"][1]["vertices"] = {5};
+  expect_refused(bad, "parts", "'tail' shares no vertex with any other part");
+  // No tree at all.
+  bad = file;
+  bad.erase("root_part");
+  expect_refused(bad, "parts[1]",
+                 "'tail' lacks a parent: expected the name of a part before it, or the field");
+}
+
+TEST(MarkupFile, PartsMayFollowJoints) {
+  const test::TemporaryFolder folder;
+  const PerformanceDatabase base = database();
+  const json file = {
+      {"format", "reprise markup"},
+      {"version", 1},
+      {"reference", "rise:0"},
+      {"joints",
+       {{{"name", "body"}, {"parent", nullptr}, {"vertices", {0, 1, 2}}},
+        {{"name", "neck"}, {"parent", "body"}, {"position", {0, 1, 0}}},
+        {{"name", "head"}, {"parent", "neck"}, {"vertices", {3, 4, 5}}}}},
+      {"parts", {{{"name", "trunk"}}, {{"name", "top"}, {"parent", "trunk"}, {"joints", {"neck"}}}}}};
+  write_text_file(folder / "m.json", file.dump());
+  const Markup read = read_markup_file(folder / "m.json", base);
+  ASSERT_EQ(read.parts.size(), 2U);
+  EXPECT_EQ(read.parts[1].name, "top");
+  EXPECT_EQ(read.parts[1].parent, 0);
+  // No edge is as short as the overlap: parts are their joints' vertices.
+  EXPECT_THAT(read.parts[0].vertices, ElementsAre(0, 1, 2));
+  EXPECT_THAT(read.parts[1].vertices, ElementsAre(3, 4, 5));
+
+  const auto expect_refused = [&](const json& spoilt, const std::string& field, const std::string& what) {
+    write_text_file(folder / "m.json", spoilt.dump());
+    EXPECT_THAT([&] { (void)read_markup_file(folder / "m.json", base); },
+                ThrowsMessage<FileError>(AllOf(HasSubstr(field), HasSubstr(what))));
+  };
+  json bad = file;
+  bad["parts"][1]["joints"] = {"nekc"};
+  expect_refused(bad, "parts", "did you mean 'neck'");
+  bad = file;
+  bad["parts"][0]["vertices"] = {0, 1};
+  expect_refused(bad, "parts[0].vertices", "either all vertices or all joints");
+  bad = file;
+  bad["root_part"] = "trunk";
+  expect_refused(bad, "root_part", "expected parts of vertices");
+}
+
 TEST(MarkupFile, ErrorsNameFileAndField) {
   const test::TemporaryFolder folder;
   const PerformanceDatabase base = database();

@@ -48,6 +48,17 @@ double surface_area(const Topology& topology, const PositionsView& positions) {
   return area;
 }
 
+double mean_edge_length(const Topology& topology, const PositionsView& positions) {
+  check_shape(topology, positions);
+  if (topology.triangles.empty()) return 0.0;
+  double sum = 0.0;
+  for (const Triangle& triangle : topology.triangles) {
+    for (std::size_t k = 0; k < 3; ++k)
+      sum += (positions.row(triangle[k]) - positions.row(triangle[(k + 1) % 3])).cast<double>().norm();
+  }
+  return sum / (3.0 * static_cast<double>(topology.triangles.size()));
+}
+
 std::string degeneracy(const Topology& topology, const PositionsView& positions) {
   check_shape(topology, positions);
   for (Eigen::Index v = 0; v < positions.rows(); ++v) {

@@ -35,6 +35,9 @@ Positions vertex_normals(const Topology& topology, const PositionsView& position
 // Sum of triangle areas, m^2.
 double surface_area(const Topology& topology, const PositionsView& positions);
 
+// Mean length of the triangles' edges, metres, an edge counted once a triangle; 0 without triangles.
+double mean_edge_length(const Topology& topology, const PositionsView& positions);
+
 // Empty if the frame is usable; otherwise why not: NaN or infinite coordinates (names the first vertex), or
 // no triangle of positive area.
 std::string degeneracy(const Topology& topology, const PositionsView& positions);

@@ -19,6 +19,7 @@
 #include "reprise/pipeline/graph.h"
 #include "reprise/pipeline/keyframe_table.h"
 #include "reprise/pipeline/keyframes.h"
+#include "reprise/pipeline/outputs.h"
 
 namespace reprise {
 namespace {
@@ -47,15 +48,6 @@ void check(const std::vector<GridDatabase>& databases, const EvaluateKeyframesOp
   // The options of the correction are checked where they are used: before the long work as well.
   static_cast<void>(
       plan_correction({.distance = 1.0, .frame_count = 25}, 1.0, 1.0, 25.0, options.correction));
-}
-
-void make_folder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error || !fs::is_directory(folder)) {
-    throw FileError(folder, fmt::format("the folder cannot be made: {}",
-                                        error ? error.message() : "there is something else of that name"));
-  }
 }
 
 // A database with its graph, and the rows of the table it gives.
@@ -167,7 +159,7 @@ void evaluate_keyframes(const std::vector<GridDatabase>& databases, const fs::pa
                         const EvaluateKeyframesOptions& options) {
   check(databases, options);
   const std::vector<std::unique_ptr<OpenDatabase>> opened = open_databases(databases);
-  make_folder(folder / "finished");
+  prepare_folder(folder / "finished");
   const FinishedPairs finished(folder / "finished");
 
   std::size_t pair_count = 0;

@@ -16,6 +16,7 @@
 #include "reprise/io/database_file.h"
 #include "reprise/pipeline/evaluation_looks.h"
 #include "reprise/pipeline/evaluation_report.h"
+#include "reprise/pipeline/outputs.h"
 #include "reprise/render/plots.h"
 #include "reprise/similarity/performance_truth.h"
 #include "reprise/similarity/temporal_filter.h"
@@ -46,19 +47,6 @@ void check(const SimilarityEvaluationOptions& options) {
     throw InvalidArgument(
         fmt::format("pictured_transitions: expected 1 to 100, found {}", options.pictured_transitions));
   }
-}
-
-// Hours of work should not end at a folder that cannot be written.
-void prepare_folder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error || !fs::is_directory(folder)) {
-    throw FileError(folder, fmt::format("the folder cannot be made: {}",
-                                        error ? error.message() : "there is something else of that name"));
-  }
-  const fs::path probe = folder / ".reprise-evaluation";
-  write_text_file(probe, "");
-  fs::remove(probe, error);
 }
 
 bool has_appearance(const PerformanceDatabase& database) {

@@ -49,6 +49,7 @@ void stream_frames(const SequenceReader& reader, DatabaseWriter& writer, Progres
 
 void copy_contents(const DatabaseReader& reader, DatabaseWriter& writer) {
   if (reader.markup()) writer.set_markup(*reader.markup());
+  writer.set_models(reader.read_models());
   for (std::size_t c = 0; c < reader.clips().size(); ++c) {
     const MeshSequence clip = reader.read_clip(c);
     writer.write_clip(clip);

@@ -163,7 +163,9 @@ nlohmann::json describe_markup(const Markup& markup) {
   }
   nlohmann::json parts = nlohmann::json::array();
   for (const BodyPart& part : markup.parts) {
-    parts.push_back({{"name", part.name}, {"vertices", part.vertices.size()}});
+    nlohmann::json parent;
+    if (part.parent >= 0) parent = markup.parts[static_cast<std::size_t>(part.parent)].name;
+    parts.push_back({{"name", part.name}, {"parent", std::move(parent)}, {"vertices", part.vertices.size()}});
   }
   nlohmann::json layers = nlohmann::json::array();
   for (std::size_t l = 0; l < markup.layers.size(); ++l) {
@@ -175,6 +177,18 @@ nlohmann::json describe_markup(const Markup& markup) {
           {"unlabelled_vertices", markup.vertices_of_joint(-1).size()},
           {"parts", std::move(parts)},
           {"layers", std::move(layers)}};
+}
+
+nlohmann::json describe_model(const LearntModel& model) {
+  nlohmann::json parts = nlohmann::json::array();
+  for (const LearntPart& learnt : model.parts) {
+    parts.push_back({{"name", learnt.part.name},
+                     {"vertices", learnt.part.vertices.size()},
+                     {"components", learnt.component_count()},
+                     {"examples", learnt.examples.size()},
+                     {"kept_variance", learnt.kept_variance()}});
+  }
+  return parts.empty() ? nlohmann::json() : nlohmann::json{{"parts", std::move(parts)}};
 }
 
 }  // namespace
@@ -195,6 +209,7 @@ nlohmann::json describe_database(const std::filesystem::path& database) {
                      {"truth", clip.has_truth}});
   }
   const Topology& topology = *reader.topology();
+  const LearntModels models = reader.read_models();
   return {{"path", database.string()},
           {"format_version", reader.format_version()},
           {"vertices", topology.vertex_count},
@@ -204,6 +219,7 @@ nlohmann::json describe_database(const std::filesystem::path& database) {
                                                         {"height", topology.texture->height}}
                                        : nlohmann::json()},
           {"markup", reader.markup() ? describe_markup(*reader.markup()) : nlohmann::json()},
+          {"models", {{"part", describe_model(models.part)}, {"whole", describe_model(models.whole)}}},
           {"frames", frames},
           {"clips", std::move(clips)}};
 }

@@ -15,9 +15,9 @@
 namespace reprise {
 
 // What a database file holds, without its frames: path, format version, vertices, triangles, UVs, size of the
-// texture, markup (joints, parts and layers with their vertex counts), and for each clip its name, frames,
-// rate, seconds, and whether it has colours, normals, provenance and truth. Texture and markup are null if
-// there is none.
+// texture, markup (joints, parts and layers with their vertex counts), models (part and whole: parts with
+// their vertices, components, examples and kept variance), and for each clip its name, frames, rate, seconds,
+// and whether it has colours, normals, provenance and truth. What is missing is null.
 nlohmann::json describe_database(const std::filesystem::path& database);
 
 struct Finding {

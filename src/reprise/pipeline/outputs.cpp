@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "reprise/core/atomic_file.h"
 #include "reprise/core/error.h"
 
 namespace reprise {
@@ -47,6 +48,18 @@ void check_outputs(const std::vector<Output>& outputs, const std::vector<fs::pat
       throw FileError(path, fmt::format("cannot be written: there is no folder {}", folder.string()));
     }
   }
+}
+
+void prepare_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error || !std::filesystem::is_directory(folder)) {
+    throw FileError(folder, fmt::format("the folder cannot be made: {}",
+                                        error ? error.message() : "there is something else of that name"));
+  }
+  const std::filesystem::path probe = folder / ".reprise-evaluation";
+  write_text_file(probe, "");
+  std::filesystem::remove(probe, error);
 }
 
 }  // namespace reprise

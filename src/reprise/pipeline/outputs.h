@@ -21,4 +21,8 @@ struct Output {
 // does not exist.
 void check_outputs(const std::vector<Output>& outputs, const std::vector<std::filesystem::path>& inputs);
 
+// Makes the folder an evaluation writes into, if it is missing, and sees that a file can be written there:
+// hours of work should not end at a folder that cannot be written. Throws `FileError`.
+void prepare_folder(const std::filesystem::path& folder);
+
 }  // namespace reprise

@@ -43,11 +43,24 @@ SkeletalMotion read_motion(const PerformOptions& options) {
   return read_bvh(options.motion, read);
 }
 
+SkeletalMotion read_mixed_motion(const PerformOptions& options) {
+  SkeletalMotion motion = read_motion(options);
+  if (options.limbs_motion.empty()) return motion;
+  PerformOptions limbs = options;
+  limbs.motion = options.limbs_motion;
+  limbs.motion_skeleton.clear();
+  return mix_motions(motion, read_motion(limbs), options.limbs);
+}
+
 PerformanceDatabase make_database(const PerformOptions& options) {
   const bool has_motion = !options.motion.empty();
   if (!has_motion && !options.motion_skeleton.empty()) {
     throw InvalidArgument("a skeleton file is given, but no motion file");
   }
+  if (!has_motion && !options.limbs_motion.empty())
+    throw InvalidArgument("a motion for limbs is given, but none for the body");
+  if (options.limbs_motion.empty() != options.limbs.limbs.empty())
+    throw InvalidArgument("limbs and the motion they are taken from go together: name both or none");
   if (options.performer.costume == "figure") {
     if (has_motion)
       throw InvalidArgument("the figure performs its own clips only; choose a costume for a motion file");
@@ -55,7 +68,7 @@ PerformanceDatabase make_database(const PerformOptions& options) {
       throw InvalidArgument("the figure has no capture effects; choose a costume");
     return make_figure(options.figure);
   }
-  return has_motion ? make_performer(options.performer, read_motion(options))
+  return has_motion ? make_performer(options.performer, read_mixed_motion(options))
                     : make_performer(options.performer);
 }
 

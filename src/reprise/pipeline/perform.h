@@ -7,6 +7,7 @@
 
 #include <filesystem>
 
+#include "reprise/sequence/motion_mix.h"
 #include "reprise/synthetic/figure/figure.h"
 #include "reprise/synthetic/performer.h"
 
@@ -20,7 +21,10 @@ struct PerformOptions {
   // none.
   std::filesystem::path motion;
   std::filesystem::path motion_skeleton;
-  // Metres per unit of the motion file; 0: 0.01 for BVH, 0.0254 / 0.45 for ASF/AMC (CMU).
+  // Limbs of another .bvh on the body of that motion (`mix_motions`). Empty: none.
+  std::filesystem::path limbs_motion;
+  MotionMixOptions limbs;
+  // Metres per unit of the motion files; 0: 0.01 for BVH, 0.0254 / 0.45 for ASF/AMC (CMU).
   double motion_scale = 0.0;
 };
 

@@ -7,7 +7,8 @@
 #include <cmath>
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
+
+#include "reprise/math/nearest_rotation.h"
 
 namespace reprise::skeleton {
 namespace {
@@ -58,12 +59,7 @@ RigidFit fit_rigid(std::span<const Eigen::Vector3d> rest, std::span<const Eigen:
   for (std::size_t i = 0; i < rest.size(); ++i) {
     covariance += weights[i] * (points[i] - centroid) * (rest[i] - rest_centroid).transpose();
   }
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Matrix3d& U = svd.matrixU();
-  const Eigen::Matrix3d& V = svd.matrixV();
-  // Without the sign, mirrored or flat point sets could give a reflection.
-  const Eigen::Vector3d signs(1.0, 1.0, (U * V.transpose()).determinant() < 0.0 ? -1.0 : 1.0);
-  RigidFit fit{.rotation = U * signs.asDiagonal() * V.transpose(),
+  RigidFit fit{.rotation = nearest_rotation(covariance),
                .rest_centroid = rest_centroid,
                .centroid = centroid,
                .mass = mass,

@@ -7,14 +7,9 @@
 
 #include "reprise/core/error.h"
 #include "reprise/core/parallel.h"
+#include "reprise/math/dual_quaternion.h"
 
 namespace reprise::body {
-namespace {
-
-using Eigen::Quaterniond;
-using Eigen::Vector3d;
-
-}  // namespace
 
 BoneWeights gather(const std::vector<std::pair<int, double>>& weighted) {
   std::vector<std::pair<int, double>> sums;
@@ -54,35 +49,21 @@ BoneWeights mean(const std::vector<std::pair<const BoneWeights*, double>>& weigh
 // Dual quaternion skinning (Kavan et al. 2007): joints keep their volume when they bend and twist.
 Points skin_points(const Points& rest, const std::vector<BoneWeights>& weights,
                    const std::vector<RigidTransform>& bones) {
-  using Vector8 = Eigen::Matrix<double, 8, 1>;
-  std::vector<Vector8> dual(bones.size());
-  for (std::size_t b = 0; b < bones.size(); ++b) {
-    const Quaterniond& q = bones[b].rotation;
-    const Vector3d& t = bones[b].translation;
-    const Quaterniond d = Quaterniond(0.0, t.x(), t.y(), t.z()) * q;
-    dual[b] << q.w(), q.vec(), 0.5 * d.w(), 0.5 * d.vec();
-  }
+  std::vector<DualQuaternion> dual(bones.size());
+  for (std::size_t b = 0; b < bones.size(); ++b)
+    dual[b] = dual_quaternion(bones[b].rotation, bones[b].translation);
   Points points(rest.rows(), 3);
   constexpr std::size_t grain = 1024;
   parallel_for(
       0, static_cast<std::size_t>(rest.rows()),
       [&](std::size_t v) {
         const BoneWeights& w = weights[v];
-        const Vector8& first = dual[static_cast<std::size_t>(w.bones[0])];
-        Vector8 sum = w.weights[0] * first;
+        DualQuaternionSum sum(w.weights[0], dual[static_cast<std::size_t>(w.bones[0])]);
         for (std::size_t i = 1; i < BoneWeights::capacity && w.weights[i] > 0.0; ++i) {
-          const Vector8& other = dual[static_cast<std::size_t>(w.bones[i])];
-          // The same rotation has two quaternions: take the nearer.
-          sum += (first.head<4>().dot(other.head<4>()) < 0.0 ? -w.weights[i] : w.weights[i]) * other;
+          sum.add(w.weights[i], dual[static_cast<std::size_t>(w.bones[i])]);
         }
-        sum /= sum.head<4>().norm();
-        const double w0 = sum[0];
-        const Vector3d v0 = sum.segment<3>(1), ve = sum.tail<3>();
-        const double we = sum[4];
-        const Vector3d x = rest.row(static_cast<Eigen::Index>(v)).transpose();
-        const Vector3d rotated = x + 2.0 * v0.cross(v0.cross(x) + w0 * x);
-        points.row(static_cast<Eigen::Index>(v)) =
-            (rotated + 2.0 * (w0 * ve - we * v0 + v0.cross(ve))).transpose();
+        const auto row = static_cast<Eigen::Index>(v);
+        points.row(row) = carry(sum.sum(), rest.row(row).transpose()).transpose();
       },
       grain);
   return points;
