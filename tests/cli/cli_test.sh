@@ -173,7 +173,7 @@ expect 0 "again.reprise" "$reprise" model learn again.reprise --examples example
 cmp -s learnt.reprise again.reprise || fail "a list of examples learnt something else than the choice it was written from"
 expect 0 "left_shin" "$reprise" model learn figure.reprise --parts limbs --model part --count 3 -o limbs.reprise
 expect 0 "left_arm" "$reprise" model learn figure.reprise --parts markup.json --model part --count 3 -o learnt2.reprise
-expect 0 "learnt.reprise" "$reprise" markup learnt.reprise --parts limbs -o relabelled.reprise
+expect 0 "relabelled.reprise" "$reprise" markup learnt.reprise --parts limbs -o relabelled.reprise
 expect 0 "part model: torso (" "$reprise" info relabelled.reprise
 expect 0 "model part" "$reprise" edit learnt.reprise --script hand.json --frame walk:16 -o edited.reprise --model part
 keep learnt.reprise
