@@ -19,7 +19,8 @@ class VertexTurning {
 
   // For every vertex the rotation that takes the edges around it from `from` to `to` best in the
   // least-squares sense, started at `rotations` and left there (n unit quaternions). Edges of triangles; a
-  // vertex without any keeps its rotation.
+  // vertex without any keeps its rotation. Stops within some thousandths of a radian of it; another call goes
+  // on from there.
   void update(const Coordinates& from, const Coordinates& to,
               std::vector<Eigen::Quaterniond>& rotations) const;
 
