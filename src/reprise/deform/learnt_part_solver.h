@@ -75,8 +75,8 @@ class LearntPartSolver {
     Eigen::Matrix3d world_from_reference = Eigen::Matrix3d::Identity();  // Q
     int iterations = 0;
   };
-  // `targets`: one a constraint, in the same order. `turn`: rotation against the frame that the prior draws Q
-  // to. `preferred`: r' of the prior, or empty for 0.
+  // `targets`: one a constraint, in the same order. `turn`: world rotation against the frame that is taken
+  // where the constraints leave it open. `preferred`: r' of the prior, or empty for 0.
   Solution solve(const Factorization& factorization, const Frame& frame, const Prepared& prepared,
                  std::span<const Eigen::Vector3d> targets, const Eigen::Matrix3d& turn,
                  const Eigen::VectorXd& preferred) const;
@@ -109,7 +109,7 @@ class LearntPartSolver {
   Eigen::MatrixXd basis_;   // 3n x l: E
   Eigen::MatrixXd EtE_;     // identity up to the rounding of stored floats
   Eigen::MatrixXd LtE_;     // 3n x l
-  Eigen::MatrixXd shapes_;  // 3n x l: displacements with these Laplacian coordinates, B = L^+ M^1/2 E
+  Eigen::MatrixXd shapes_;  // 3n x l: displacements whose Laplacian coordinates are E
   VertexTurning turning_;
   Eigen::VectorXd least_, greatest_;
   Eigen::VectorXd prior_;  // l: diagonal of P

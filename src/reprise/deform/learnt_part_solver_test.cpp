@@ -125,6 +125,18 @@ TEST(LearntPartSolver, IsTheOptimumOfAllUnknownsAtOnce) {
   }
 }
 
+TEST(SurfaceLaplacian, DisplacementsHaveTheLaplacianCoordinatesAskedFor) {
+  const PerformanceDatabase& figure = test::small_figure();
+  const Positions& rest = figure.markup()->reference;
+  const SurfaceLaplacian laplacian(figure.topology(), PositionsView(rest.data(), rest.rows(), 3));
+  const Coordinates moved = figure.clip(1).frame(20).cast<double>() - rest.cast<double>();
+  const Coordinates delta = laplacian(moved);
+  const MatrixXd found = laplacian.displacements(Eigen::Map<const VectorXd>(delta.data(), delta.size()));
+  Coordinates difference = Eigen::Map<const Coordinates>(found.data(), moved.rows(), 3) - moved;
+  difference.rowwise() -= difference.row(0).eval();  // a translation has no Laplacian coordinates
+  EXPECT_LT(difference.rowwise().norm().maxCoeff(), 1e-6);
+}
+
 TEST(LearntPartSolver, CoefficientsStayWithinTheirLimits) {
   const WrittenOut free(-1.0);
   const WrittenOut limited(0.0);

@@ -121,11 +121,6 @@ PartModel::PartModel(TopologyPtr topology, const LearntModel& learnt, const Part
 
 PartModel::~PartModel() = default;
 
-Eigen::VectorXd PartModel::coefficients(int part_idx, const PositionsView& frame) const {
-  const PartHierarchy::Part& part = hierarchy_.part(part_idx);
-  return solvers_[static_cast<std::size_t>(part_idx)]->frame(rows_of(frame, part.vertices)).coefficients;
-}
-
 // What is kept of a part from one drag to the next.
 struct PartEditor::PartState {
   std::optional<LearntPartSolver::Frame> frame;  // made when the part is first solved

@@ -41,8 +41,6 @@ class PartModel {
 
   const PartHierarchy& hierarchy() const { return hierarchy_; }
   const PartEditorOptions& options() const { return options_; }
-  // Coefficients of a part of a frame in its learnt space, l.
-  Eigen::VectorXd coefficients(int part_idx, const PositionsView& frame) const;
 
  private:
   friend class PartEditor;

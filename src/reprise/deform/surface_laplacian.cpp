@@ -30,6 +30,29 @@ Eigen::VectorXd areas_around_vertices(const Topology& topology, const PositionsV
   return areas.cwiseMax(least);
 }
 
+// The least vertex of each set of vertices that the entries of A join.
+std::vector<Eigen::Index> first_vertices_of_components(const Eigen::SparseMatrix<double>& A) {
+  std::vector<Eigen::Index> first;
+  std::vector<char> is_reached(static_cast<std::size_t>(A.cols()), 0);
+  std::vector<Eigen::Index> open;
+  for (Eigen::Index start = 0; start < A.cols(); ++start) {
+    if (is_reached[static_cast<std::size_t>(start)] != 0) continue;
+    first.push_back(start);
+    is_reached[static_cast<std::size_t>(start)] = 1;
+    open.assign(1, start);
+    while (!open.empty()) {
+      const Eigen::Index v = open.back();
+      open.pop_back();
+      for (Eigen::SparseMatrix<double>::InnerIterator entry(A, v); entry; ++entry) {
+        char& reached = is_reached[static_cast<std::size_t>(entry.row())];
+        if (reached == 0) open.push_back(entry.row());
+        reached = 1;
+      }
+    }
+  }
+  return first;
+}
+
 }  // namespace
 
 SurfaceLaplacian::SurfaceLaplacian(const TopologyPtr& topology, const PositionsView& reference,
@@ -61,11 +84,13 @@ SurfaceLaplacian::SurfaceLaplacian(const TopologyPtr& topology, const PositionsV
 }
 
 Eigen::MatrixXd SurfaceLaplacian::displacements(const Eigen::MatrixXd& delta) const {
-  // Every component that is not loose has its mean held near zero by a pull too weak to bend it.
-  constexpr double pull = 1e-10;
+  // What A is solved for sums to zero over a component, so that the spring of its held vertex carries
+  // nothing.
   Eigen::SparseMatrix<double> A = matrix_.transpose() * matrix_;
-  const double scale = A.diagonal().mean();
-  for (Eigen::Index v = 0; v < A.cols(); ++v) A.coeffRef(v, v) += pull * scale;
+  for (const Eigen::Index v : first_vertices_of_components(A)) {
+    double& diagonal = A.coeffRef(v, v);
+    diagonal += diagonal > 0.0 ? diagonal : 1.0;
+  }
   const SparseCholesky factor(A);
   const Eigen::SparseMatrix<double> L = matrix_.topRows(vertex_count());
   Eigen::MatrixXd result(delta.rows(), delta.cols());

@@ -32,8 +32,9 @@ class SurfaceLaplacian {
   Eigen::Index vertex_count() const { return matrix_.cols(); }
   double mean_edge_length() const { return mean_edge_length_; }  // metres, of the reference; 1 if it has none
 
-  // Displacements, n x 3 (one column of 3n numbers each), with the given Laplacian coordinates, in the
-  // least-squares sense, loose components as their carriers move; each held at some vertex.
+  // `delta`: 3n x k, a column for n x 3 Laplacian coordinates, vertex by vertex. The displacements, laid out
+  // alike, that have them in the least-squares sense; a loose component moves as its carrier does.
+  // Translations stay open: one vertex of each connected component is held near 0.
   Eigen::MatrixXd displacements(const Eigen::MatrixXd& delta) const;
 
   // Laplacian coordinates delta = M^-1/2 L x, rows() x 3.
