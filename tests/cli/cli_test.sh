@@ -90,7 +90,10 @@ expect 1 "nowhere" "$reprise" perform --makehuman nowhere -o no.reprise
 expect 1 "vertices: expected 1000 to 50000, found 10" "$reprise" perform --vertices 10 -o no.reprise
 expect 1 "noise is -1" "$reprise" perform --noise -1 -o no.reprise
 expect 1 "expected a .bvh or .amc file" "$reprise" perform --motion walk.fbx -o no.reprise
+expect 1 "does not exist" "$reprise" perform --motion walk.amc -o no.reprise
+: > walk.amc
 expect 1 "needs its skeleton" "$reprise" perform --motion walk.amc -o no.reprise
+rm walk.amc
 expect 1 "no motion file" "$reprise" perform --skeleton walk.asf -o no.reprise
 expect 1 "its own clips only" "$reprise" perform --costume figure --motion walk.bvh -o no.reprise
 echo '{"based_on": "fashion1", "garment": []}' > bad.json
@@ -193,12 +196,102 @@ expect 2 "--keep" "$reprise" "${learn[@]}" --keep 1.5
 expect 2 "subcommand" "$reprise" model
 unchanged learnt.reprise
 
+# Motion capture: the figure performs its own skeleton, and what others would get wrong
+mocap=(mocap learnt.reprise --graph graph.json)
+expect 0 "0 transitions, 0 repeats, 0 skips" "$reprise" "${mocap[@]}" --motion bvh/walk.bvh -o driven.reprise --report driven.json \
+  --write-drive-vertices drive.json
+for field in '"velocity_error_cm_frame"' '"joint_map"' '"foot_drift_cm_s"' '"path_time"' '"frames_per_second"'; do
+  expect 0 "$field" grep -F "$field" driven.json
+done
+expect 0 "walk" "$reprise" info driven.reprise
+expect 0 "pop ratio" "$reprise" evaluate naturalness driven.reprise --database figure.reprise
+expect 0 "learnt now" "$reprise" mocap figure.reprise --graph graph.json --motion bvh/wave.bvh -o unlearnt.reprise
+expect 0 "step" "$reprise" "${mocap[@]}" --motion bvh/walk.bvh --no-deform --timing repeats --name step -o raw.reprise
+expect 0 "walk-2" "$reprise" "${mocap[@]}" --motion bvh/walk.bvh --model lbs --alternatives 2 --threshold 9 -o two.reprise
+expect 0 "frames/s" "$reprise" "${mocap[@]}" --motion bvh/walk.bvh --drive-vertices drive.json -o again.reprise
+cmp -s driven.reprise again.reprise || fail "drive vertices written and read back drive otherwise"
+expect 0 "2 of 2 motions" "$reprise" "${mocap[@]}" --motion bvh/walk.bvh --motion bvh/wave.bvh -o many --report many.json
+cmp -s driven.reprise many/walk.reprise || fail "one motion of many has other bytes than alone"
+mkdir -p corpus/bvh && cp bvh/walk.bvh bvh/stop.bvh corpus/bvh && echo "HIERARCHY" > corpus/bvh/bad.bvh
+printf 'trial,class,description,tier\nwalk,walk,"walk, on",good\nstop,walk,stop,good\nbad,run,bad,poor\n' > corpus/index.csv
+expect 0 "1 of 1 motions" "$reprise" "${mocap[@]}" --corpus corpus/index.csv --trials stop -o corpus_out
+expect 1 "2 of 3 motions" "$reprise" "${mocap[@]}" --corpus corpus/index.csv -o corpus_out
+expect 0 "| walks | 2 of 2 |" "$reprise" evaluate mocap learnt.reprise --graph graph.json --corpus corpus/index.csv \
+  --tiers good -o mocap_tables --held stop=stop --threshold 9
+for file in mocap.md mocap.csv times.csv walks.png truth.csv truth.png; do
+  [ -s "mocap_tables/$file" ] || fail "evaluate mocap wrote no $file"
+done
+expect 1 "## Failures" "$reprise" evaluate mocap learnt.reprise --graph graph.json --corpus corpus/index.csv --trials bad -o mocap_tables
+expect 1 "expected CLIP=TRIAL" "$reprise" evaluate mocap learnt.reprise --graph graph.json --corpus corpus/index.csv --held walk -o mocap_tables
+keep driven.reprise
+drive=("${mocap[@]}" -o driven.reprise --motion)
+expect 1 "no retrieval" "$reprise" "${drive[@]}" bvh/walk.bvh --threshold 0.000001
+expect 1 "nowhere.bvh" "$reprise" "${drive[@]}" nowhere.bvh
+expect 1 "expected a .bvh or .amc file" "$reprise" "${drive[@]}" walk.fbx
+sed 's/left_/l3ft_/; s/right_/r1ght_/' bvh/walk.bvh > strange.bvh
+expect 1 "l3ft_" "$reprise" "${drive[@]}" strange.bvh
+echo '{"joints": {"left_thigh": "nobody"}}' > map.json
+expect 1 "nobody" "$reprise" "${drive[@]}" bvh/walk.bvh --map map.json
+echo '{"joints": {"left_thingh": "left_thigh"}}' > map.json
+expect 1 "left_thigh" "$reprise" "${drive[@]}" bvh/walk.bvh --map map.json
+sed '/^Frames:/,$d' bvh/walk.bvh > empty.bvh
+printf 'Frames: 0\nFrame Time: 0.04\n' >> empty.bvh
+expect 1 "empty.bvh" "$reprise" "${drive[@]}" empty.bvh
+awk 'done || !/^Frame Time/ { print } /^Frame Time/ { print; getline; sub(/^[^ ]+/, "nan"); print; done = 1 }' bvh/walk.bvh > nan.bvh
+expect 1 "nan.bvh" "$reprise" "${drive[@]}" nan.bvh
+sed 's/^Frame Time:.*/Frame Time: 0/' bvh/walk.bvh > rateless.bvh
+expect 1 "rateless.bvh" "$reprise" "${drive[@]}" rateless.bvh
+expect 1 "m tall" "$reprise" "${drive[@]}" bvh/walk.bvh --motion-scale 1
+cat > man.asf <<'END'
+:version 1.10
+:units
+  length 0.45
+  angle deg
+:root
+  order TX TY TZ RX RY RZ
+  axis XYZ
+  position 0 0 0
+  orientation 0 0 0
+:bonedata
+  begin
+    id 1
+    name lfemur
+    direction 0 -1 0
+    length 7
+    axis 0 0 0 XYZ
+    dof rx ry rz
+  end
+:hierarchy
+  begin
+    root lfemur
+  end
+END
+printf ':FULLY-SPECIFIED\n:DEGREES\n1\nroot 0 16 0 0 0 0\nrfemur 0 0 0\n' > man.amc
+expect 1 "rfemur" "$reprise" "${drive[@]}" man.amc --skeleton man.asf
+printf ':FULLY-SPECIFIED\n:DEGREES\n1\nroot 0 16 0 0 0 0\nlfemur 0 0\n' > man.amc
+expect 1 "man.amc" "$reprise" "${drive[@]}" man.amc --skeleton man.asf
+mkdir lonely && cp man.amc lonely/07_01.amc
+expect 1 "needs its skeleton" "$reprise" "${drive[@]}" lonely/07_01.amc
+expect 1 "without an .amc file" "$reprise" "${drive[@]}" bvh/walk.bvh --skeleton man.asf
+expect 1 "expected a --motion or a --corpus" "$reprise" "${mocap[@]}" -o driven.reprise
+expect 1 "choose from a --corpus" "$reprise" "${drive[@]}" bvh/walk.bvh --tiers core
+expect 1 "did you mean 'good'" "$reprise" "${mocap[@]}" --corpus corpus/index.csv --tiers god -o corpus_out
+expect 1 "did you mean 'walk'" "$reprise" "${drive[@]}" bvh/walk.bvh --without wlak
+expect 1 "not written over" "$reprise" mocap learnt.reprise --graph graph.json --motion bvh/walk.bvh -o learnt.reprise
+expect 1 "not written over" "$reprise" "${drive[@]}" bvh/walk.bvh --report graph.json
+expect 1 ".png" "$reprise" "${drive[@]}" bvh/walk.bvh --strip strip.jpg
+expect 1 "two motions are called 'walk'" "$reprise" "${mocap[@]}" --motion bvh/walk.bvh --motion corpus/bvh/walk.bvh -o many
+expect 2 "--model" "$reprise" "${drive[@]}" bvh/walk.bvh --model clay
+expect 2 "--alternatives" "$reprise" "${drive[@]}" bvh/walk.bvh --alternatives 0
+unchanged driven.reprise
+no_partial_files
+
 # The command line itself
 expect 2 "subcommand" "$reprise"
 expect 2 "there is no command 'nonsense'" "$reprise" nonsense
 expect 2 "did you mean 'keyframes'" "$reprise" keyframe
 expect 2 "--output is required" "$reprise" graph figure.reprise
-for command in perform import info validate markup skeleton similarity graph keyframes play edit export render "model learn" "evaluate naturalness" "evaluate keyframes" "evaluate deformation"; do
+for command in perform import info validate markup skeleton similarity graph keyframes mocap play edit export render "model learn" "evaluate naturalness" "evaluate keyframes" "evaluate deformation" "evaluate mocap"; do
   # shellcheck disable=SC2086
   expect 0 "OPTIONS" "$reprise" $command --help
 done

@@ -107,7 +107,26 @@ END
 chmod +x one_bad.sh
 expect 1 "on rank 1" "${mpirun[@]}" ./one_bad.sh "$reprise"
 
+# Motions: whole ones a rank, the same files and tables as one process writes
+"$reprise" skeleton figure.reprise -o bvh > out.txt 2>&1 || fail "no motions"
+"$reprise" graph figure.reprise -o figure.json > out.txt 2>&1 || fail "no graph"
+mkdir corpus && mv bvh corpus/bvh
+printf 'trial,class\nwalk,walk\nstop,walk\njog,run\nnobody,run\n' > corpus/index.csv
+echo "HIERARCHY" > corpus/bvh/nobody.bvh
+drive=(mocap figure.reprise --graph figure.json --no-deform --corpus corpus/index.csv)
+expect 1 "3 of 4 motions" "$reprise" "${drive[@]}" -o alone_motions
+expect 1 "3 of 4 motions" "${mpirun[@]}" "$reprise" "${drive[@]}" -o shared_motions
+said_once "3 of 4 motions"
+for clip in walk stop jog; do same alone_motions/$clip.reprise shared_motions/$clip.reprise; done
+tables=(evaluate mocap figure.reprise --graph figure.json --no-deform --corpus corpus/index.csv)
+expect 1 "| walks | 2 of 2 |" "$reprise" "${tables[@]}" -o alone_tables
+expect 1 "| walks | 2 of 2 |" "${mpirun[@]}" "$reprise" "${tables[@]}" -o shared_tables
+said_once "| walks | 2 of 2 |"
+for file in mocap.csv walks.png runs.png; do same alone_tables/$file shared_tables/$file; done
+
 # Work that is not shared
+expect 2 "'evaluate naturalness' does not share" "${mpirun[@]}" "$reprise" evaluate naturalness figure.reprise --database figure.reprise
+said_once "does not share its work"
 expect 2 "does not share its work" "${mpirun[@]}" "$reprise" info db.reprise
 said_once "does not share its work"
 expect 0 "walk" "${mpirun[@]:0:3}" -np 1 "$reprise" info db.reprise

@@ -5,7 +5,7 @@
 # violation as FILE:LINE: WHAT and then fails.
 cmake_minimum_required(VERSION 3.25)
 
-set(folders core math linalg mesh sequence database io synthetic skeleton deform similarity graph path synthesis editing render pipeline)
+set(folders core math linalg mesh sequence database io retarget synthetic skeleton deform similarity graph path synthesis editing mocap render pipeline)
 set(spdx_lines
   "// SPDX-FileCopyrightText: [0-9]+ The Reprise authors"
   "// SPDX-License-Identifier: Apache-2.0")

@@ -37,6 +37,7 @@ Action add_model(CLI::App& command);
 Action add_similarity(CLI::App& command);
 Action add_graph(CLI::App& command);
 Action add_keyframes(CLI::App& command);
+Action add_mocap(CLI::App& command);
 Action add_play(CLI::App& command);
 Action add_edit(CLI::App& command);
 Action add_export(CLI::App& command);

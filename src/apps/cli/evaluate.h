@@ -11,6 +11,7 @@ namespace reprise::cli {
 
 Action add_evaluate_deformation(CLI::App& command);
 Action add_evaluate_keyframes(CLI::App& command);
+Action add_evaluate_mocap(CLI::App& command);
 Action add_evaluate_naturalness(CLI::App& command);
 Action add_evaluate_similarity(CLI::App& command);
 

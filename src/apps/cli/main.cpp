@@ -39,11 +39,13 @@ constexpr std::array commands = {
             /*shares_work=*/true},
     Command{"graph", "find transitions between clips", reprise::cli::add_graph, /*shares_work=*/true},
     Command{"keyframes", "make a new animation through key-frames", reprise::cli::add_keyframes},
+    Command{"mocap", "perform skeletal motion: BVH or ASF/AMC", reprise::cli::add_mocap,
+            /*shares_work=*/true},
     Command{"play", "play on without an end: a loop, or a random walk", reprise::cli::add_play},
     Command{"edit", "drag vertices of captured frames", reprise::cli::add_edit},
     Command{"export", "write a clip for other programs: glTF, PC2, MDD, OBJ, PLY", reprise::cli::add_export},
     Command{"render", "draw a clip as video or pictures", reprise::cli::add_render},
-    Command{"evaluate", "measure the quality of a result", reprise::cli::add_evaluate},
+    Command{"evaluate", "measure the quality of a result", reprise::cli::add_evaluate, /*shares_work=*/true},
 };
 
 // Never throws: standard error may be closed or full, and the exit code must still tell.

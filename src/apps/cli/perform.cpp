@@ -37,11 +37,15 @@ Action add_perform(CLI::App& command) {
 
   const char* const motion = "Motion file instead of the costume's own clips";
   command.add_option("--motion", options.motion, "BVH or AMC file to perform")->group(motion);
-  command.add_option("--skeleton", options.motion_skeleton, "ASF file that goes with an AMC file")
+  command
+      .add_option(
+          "--skeleton", options.motion_skeleton,
+          "ASF file that goes with an AMC file (default: that of its subject, beside it or in ../asf)")
       ->group(motion);
   command
       .add_option("--motion-scale", options.motion_scale,
-                  "metres per unit of the file (default: 0.01 for BVH, 0.0564 for ASF/AMC)")
+                  "metres per unit of the file (default: for BVH what makes the figure as tall as people "
+                  "are, 0.0564 for ASF/AMC)")
       ->group(motion);
   command.add_option("--limbs-from", options.limbs_motion, "BVH file that some limbs are taken from instead")
       ->group(motion);

@@ -10,11 +10,13 @@
 
 namespace reprise {
 
-double peak_acceleration(const MeshSequence& sequence, std::size_t frame_idx) {
-  const PositionsView before = sequence.frame(frame_idx - 1);
-  const PositionsView here = sequence.frame(frame_idx);
-  const PositionsView after = sequence.frame(frame_idx + 1);
+double peak_acceleration(const PositionsView& before, const PositionsView& here, const PositionsView& after) {
   return std::sqrt(static_cast<double>((after - 2.0F * here + before).rowwise().squaredNorm().maxCoeff()));
+}
+
+double peak_acceleration(const MeshSequence& sequence, std::size_t frame_idx) {
+  return peak_acceleration(sequence.frame(frame_idx - 1), sequence.frame(frame_idx),
+                           sequence.frame(frame_idx + 1));
 }
 
 std::vector<double> captured_peak_accelerations(const PerformanceDatabase& database) {

@@ -14,6 +14,7 @@ namespace reprise {
 
 // Largest vertex acceleration (second difference) at a frame with a frame on either side, m/frame^2.
 double peak_acceleration(const MeshSequence& sequence, std::size_t frame_idx);
+double peak_acceleration(const PositionsView& before, const PositionsView& here, const PositionsView& after);
 
 // That of all captured frames with a frame on either side. Parallel.
 std::vector<double> captured_peak_accelerations(const PerformanceDatabase& database);

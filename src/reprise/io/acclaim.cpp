@@ -34,7 +34,7 @@ class AmcParser {
   void make_joints();
   bool parse_head();
   void parse_bone();
-  void end_frame(int frame, std::size_t line);
+  void end_frame(int frame, std::size_t line, bool is_last);
   SkeletonPose pose() const;
 
   TextLines lines_;
@@ -168,11 +168,12 @@ SkeletonPose AmcParser::pose() const {
   return pose;
 }
 
-void AmcParser::end_frame(int frame, std::size_t line) {
+void AmcParser::end_frame(int frame, std::size_t line, bool is_last) {
   for (std::size_t b = 0; b < is_given_.size(); ++b) {
     if (!is_given_[b] && !skeleton_.bones[b].freedoms.empty()) {
       lines_.fail_at(line,
-                     fmt::format("frame {} has no values of bone '{}'", frame, skeleton_.bones[b].name));
+                     fmt::format("frame {} has no values of bone '{}'{}", frame, skeleton_.bones[b].name,
+                                 is_last ? "; the file ends there: it is truncated" : ""));
     }
   }
   motion_.frames.push_back(pose());
@@ -194,7 +195,7 @@ SkeletalMotion AmcParser::parse() {
     next_frame_ = std::int64_t{frame} + 1;
     const auto is_number = [](std::string_view word) { return word[0] >= '0' && word[0] <= '9'; };
     while ((more = lines_.next()) && !is_number(lines_.words()[0])) parse_bone();
-    end_frame(frame, line);
+    end_frame(frame, line, !more);
   }
   return std::move(motion_);
 }

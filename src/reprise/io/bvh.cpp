@@ -39,8 +39,10 @@ struct BvhJoint {
 
 class BvhParser {
  public:
-  BvhParser(std::string_view text, const std::filesystem::path& path, double metres_per_unit)
-      : lines_(text, path), metres_per_unit_(metres_per_unit) {}
+  BvhParser(std::string_view text, const std::filesystem::path& path, const BvhReadOptions& options)
+      : lines_(text, path),
+        metres_per_unit_(options.metres_per_unit),
+        frames_per_second_(options.frames_per_second) {}
 
   SkeletalMotion parse();
 
@@ -63,6 +65,8 @@ class BvhParser {
   TextLines lines_;
   std::size_t at_ = 0;  // the next word of the line
   double metres_per_unit_;
+  double frames_per_second_;     // 0: the file's
+  bool is_first_frame_ = false;  // the line at hand, which is no frame time
   std::vector<BvhJoint> joints_;
   std::map<std::string, std::size_t> line_of_name_;
   std::size_t channel_count_ = 0;
@@ -224,21 +228,36 @@ double rate_of(double frame_time, std::string_view written) {
 // Returns the frames per second.
 double BvhParser::parse_motion_head() {
   lines_.require_next("Frames:");
-  if (lines_.words().size() != 2 || !same_word(lines_.words()[0], "Frames:")) {
-    lines_.fail(fmt::format("expected 'Frames: N', found {}", in_quotes(lines_.words()[0])));
+  // "Frames: 2", or without the space.
+  std::string_view first = lines_.words()[0], count;
+  constexpr std::string_view keyword = "Frames:";
+  if (same_word(first.substr(0, keyword.size()), keyword)) {
+    if (first.size() > keyword.size() && lines_.words().size() == 1) count = first.substr(keyword.size());
+    if (first.size() == keyword.size() && lines_.words().size() == 2) count = lines_.words()[1];
   }
-  frame_count_ = static_cast<std::size_t>(lines_.count(lines_.words()[1], "the number of frames"));
+  if (count.empty()) lines_.fail(fmt::format("expected 'Frames: N', found {}", in_quotes(first)));
+  frame_count_ = static_cast<std::size_t>(lines_.count(count, "the number of frames"));
   if (frame_count_ == 0) lines_.fail("expected at least one frame, found 0");
   lines_.require_next("Frame Time:");
+  if (frames_per_second_ > 0.0) {
+    is_first_frame_ = !same_word(lines_.words()[0], "Frame");
+    return frames_per_second_;
+  }
   const std::vector<std::string_view>& words = lines_.words();
-  if (words.size() != 3 || !same_word(words[0], "Frame") || !same_word(words[1], "Time:")) {
+  std::string_view written;
+  constexpr std::string_view time = "Time:";
+  if (words.size() >= 2 && same_word(words[0], "Frame") && same_word(words[1].substr(0, time.size()), time)) {
+    if (words.size() == 3 && words[1].size() == time.size()) written = words[2];
+    if (words.size() == 2) written = words[1].substr(time.size());
+  }
+  if (written.empty()) {
     lines_.fail(fmt::format("expected 'Frame Time: SECONDS', found {}", in_quotes(words[0])));
   }
-  const double frame_time = lines_.number(words[2], "the time between frames in seconds");
+  const double frame_time = lines_.number(written, "the time between frames in seconds");
   if (!(frame_time > 0.0) || !std::isfinite(1.0 / frame_time)) {
-    lines_.fail(fmt::format("expected a time between frames above 0, found {}", in_quotes(words[2])));
+    lines_.fail(fmt::format("expected a time between frames above 0, found {}", in_quotes(written)));
   }
-  return rate_of(frame_time, words[2]);
+  return rate_of(frame_time, written);
 }
 
 SkeletonPose BvhParser::parse_frame() {
@@ -288,7 +307,8 @@ SkeletalMotion BvhParser::parse() {
   }
   motion.frames_per_second = parse_motion_head();
   const std::size_t head_line = lines_.line();
-  while (lines_.next()) {
+  while (is_first_frame_ || lines_.next()) {
+    is_first_frame_ = false;
     if (motion.frames.size() == frame_count_) {
       lines_.fail(
           fmt::format("expected the end of the file after {} frames, found another line", frame_count_));
@@ -310,7 +330,11 @@ SkeletalMotion parse_bvh(std::string_view text, const std::filesystem::path& pat
     throw InvalidArgument(
         fmt::format("{} metres per unit; expected a positive, finite number", options.metres_per_unit));
   }
-  SkeletalMotion motion = BvhParser(text, path, options.metres_per_unit).parse();
+  if (!(options.frames_per_second >= 0.0) || !std::isfinite(options.frames_per_second)) {
+    throw InvalidArgument(
+        fmt::format("{} frames per second; expected a positive, finite number", options.frames_per_second));
+  }
+  SkeletalMotion motion = BvhParser(text, path, options).parse();
   motion.name = path.stem().string();
   return motion;
 }

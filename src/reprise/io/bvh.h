@@ -16,6 +16,8 @@ namespace reprise {
 struct BvhReadOptions {
   double metres_per_unit =
       0.01;  // the format has no unit; 0.01 (centimetres) is common, CMU's files have 0.0254 / 0.45
+  // Instead of the file's frame time, which then may be missing or wrong. 0: what the file says.
+  double frames_per_second = 0.0;
 };
 
 // Channels in any order and number; End Sites become joints named NAME_end. The rest pose is that of zero

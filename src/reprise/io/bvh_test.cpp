@@ -131,6 +131,12 @@ TEST(Bvh, ReadsOddButGoodForms) {
   EXPECT_EQ(parsed("\xEF\xBB\xBF" + text).frames.size(), 2U);
   EXPECT_EQ(parsed(small.substr(0, small.size() - 1)).frames.size(), 2U);
   EXPECT_EQ(parsed(replaced(small, "ROOT Hips\n{", "Root Hips {")).skeleton.joints[0].name, "Hips");
+  // No space after "Frames:" and "Time:", tabs, numbers with exponents.
+  std::string tight = replaced(replaced(small, "Frames: 2", "Frames:2"), "Frame Time: ", "Frame\tTime:");
+  tight = replaced(replaced(tight, "1 2 3 0 0 0 0", "1e0\t2.0E+00\t30.e-1 0 0 0 -0e5"), "OFFSET 10",
+                   "OFFSET\t1E1");
+  EXPECT_LT((parsed(tight).frames[0].position[2] - parsed(small).frames[0].position[2]).norm(), 1e-12);
+  EXPECT_EQ(parsed(tight).frames_per_second, 120.0);
   // Two sites on one joint, and a joint that has the name of a site.
   const std::string site = "    End Site\n    {\n      OFFSET 0 -80 0\n    }\n";
   const SkeletalMotion two = parsed(replaced(replaced(small, site, site + site), "Hips", "Left Leg_end"));

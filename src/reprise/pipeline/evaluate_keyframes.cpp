@@ -85,13 +85,7 @@ std::unique_ptr<OpenDatabase> open_database(const GridDatabase& asked) {
   open->name = asked.database.stem().string();
   open->database = load_database(asked.database);
   open->pairs = pairs_of(*open, asked);
-  if (asked.graph.empty()) {
-    open->graph =
-        make_graph(open->database, compute_similarity(open->database, asked.database), {}, std::nullopt);
-  } else {
-    open->graph = load_graph(asked.graph);
-    check_graph_fits(open->graph, open->database);
-  }
+  open->graph = open_graph(open->database, asked.database, asked.graph);
   return open;
 }
 

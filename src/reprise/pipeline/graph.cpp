@@ -236,4 +236,13 @@ SurfaceMotionGraph make_graph(const PerformanceDatabase& database, const Similar
   return graph;
 }
 
+SurfaceMotionGraph open_graph(const PerformanceDatabase& database, const std::filesystem::path& database_path,
+                              const std::filesystem::path& graph) {
+  if (graph.empty())
+    return make_graph(database, compute_similarity(database, database_path), {}, std::nullopt);
+  SurfaceMotionGraph opened = load_graph(graph);
+  check_graph_fits(opened, database);
+  return opened;
+}
+
 }  // namespace reprise

@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -41,6 +42,12 @@ std::vector<TransitionRequest> requested_transitions(const PerformanceDatabase& 
 // have.
 SurfaceMotionGraph make_graph(const PerformanceDatabase& database, const SimilarityResult& similarity,
                               const GraphOptions& options, const std::optional<SurfaceMotionGraph>& previous);
+
+// The graph of a file, or, if `graph` is empty, one of the default similarity (kept in the cache beside
+// `database_path`) without edits. Throws as `load_graph`, and `InvalidArgument` if it does not fit the
+// database.
+SurfaceMotionGraph open_graph(const PerformanceDatabase& database, const std::filesystem::path& database_path,
+                              const std::filesystem::path& graph);
 
 // For people: how many transitions there are and why others are not in force; the strongly connected
 // components, and for each clip which frames go on for ever and which only lead there or away.

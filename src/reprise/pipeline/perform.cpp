@@ -4,52 +4,43 @@
 #include "reprise/pipeline/perform.h"
 
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include "reprise/core/error.h"
-#include "reprise/io/acclaim.h"
-#include "reprise/io/bvh.h"
 #include "reprise/io/database_file.h"
+#include "reprise/io/motion_file.h"
 
 namespace reprise {
 
 namespace {
 
-SkeletalMotion read_motion(const PerformOptions& options) {
+SkeletalMotion read_whole_motion(const MotionSource& source) {
+  MotionFile file = read_motion(source);
+  for (const std::string& note : file.notes) spdlog::info("{}: {}", source.motion.string(), note);
+  const std::vector<MotionDefect> defects = find_defects(file.motion);
+  for (const MotionDefect& defect : defects) {
+    spdlog::warn("{}: {}, which is mended", source.motion.string(), to_string(defect));
+  }
+  return defects.empty() ? std::move(file.motion) : without_defects(file.motion, defects);
+}
+
+SkeletalMotion read_mixed_motion(const PerformOptions& options) {
   if (!std::isfinite(options.motion_scale) || options.motion_scale < 0.0) {
     throw InvalidArgument(
         fmt::format("the motion's scale is {}; expected metres per unit", options.motion_scale));
   }
-  const std::string extension = options.motion.extension().string();
-  const bool needs_skeleton = extension == ".amc";
-  if (extension != ".bvh" && !needs_skeleton) {
-    throw InvalidArgument(fmt::format("'{}' is no motion this program reads; expected a .bvh or .amc file",
-                                      options.motion.string()));
-  }
-  if (needs_skeleton == options.motion_skeleton.empty()) {
-    throw InvalidArgument(needs_skeleton
-                              ? fmt::format("'{}' needs its skeleton, an .asf file", options.motion.string())
-                              : fmt::format("'{}' has a skeleton of its own; no .asf file goes with it",
-                                            options.motion.string()));
-  }
-  if (needs_skeleton) {
-    AcclaimReadOptions read;
-    if (options.motion_scale > 0.0) read.metres_per_unit = options.motion_scale;
-    return read_acclaim(options.motion_skeleton, options.motion, read);
-  }
-  BvhReadOptions read;
-  if (options.motion_scale > 0.0) read.metres_per_unit = options.motion_scale;
-  return read_bvh(options.motion, read);
-}
-
-SkeletalMotion read_mixed_motion(const PerformOptions& options) {
-  SkeletalMotion motion = read_motion(options);
+  MotionSource source{.motion = options.motion, .skeleton = options.motion_skeleton};
+  if (options.motion_scale > 0.0) source.metres_per_unit = options.motion_scale;
+  SkeletalMotion motion = read_whole_motion(source);
   if (options.limbs_motion.empty()) return motion;
-  PerformOptions limbs = options;
+  MotionSource limbs = source;
   limbs.motion = options.limbs_motion;
-  limbs.motion_skeleton.clear();
-  return mix_motions(motion, read_motion(limbs), options.limbs);
+  limbs.skeleton.clear();
+  return mix_motions(motion, read_whole_motion(limbs), options.limbs);
 }
 
 PerformanceDatabase make_database(const PerformOptions& options) {

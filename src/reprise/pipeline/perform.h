@@ -17,14 +17,14 @@ struct PerformOptions {
   // `performer.costume`: a costume, or "figure": the small capsule figure that needs no outside data.
   PerformerOptions performer;
   FigureOptions figure;
-  // A motion to perform instead of the costume's own clips: .bvh, or .amc with its skeleton .asf. Empty:
-  // none.
+  // A motion to perform instead of the costume's own clips: .bvh, or .amc with its skeleton .asf, which is
+  // found as `read_motion` does if it is not named. Empty: none.
   std::filesystem::path motion;
   std::filesystem::path motion_skeleton;
   // Limbs of another .bvh on the body of that motion (`mix_motions`). Empty: none.
   std::filesystem::path limbs_motion;
   MotionMixOptions limbs;
-  // Metres per unit of the motion files; 0: 0.01 for BVH, 0.0254 / 0.45 for ASF/AMC (CMU).
+  // Metres per unit of the motion files; 0: as `read_motion` finds it.
   double motion_scale = 0.0;
 };
 

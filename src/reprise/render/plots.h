@@ -84,6 +84,28 @@ struct DotPanel {
 void plot_dots(const std::vector<std::string>& rows, std::span<const DotPanel> panels,
                const std::filesystem::path& png);
 
+struct BarSeries {
+  std::string name;
+  std::vector<double> values;      // one a column; NaN: none
+  std::vector<double> deviations;  // length of the error bar to either side; empty: no error bars
+};
+// A value to compare with, drawn as a dashed line in the colour of a series.
+struct BarLevel {
+  std::string name;
+  double value = 0.0;
+  std::size_t series_idx = 0;
+};
+struct BarPlot {
+  std::string title;
+  std::string y_label;
+  std::vector<std::string> columns;  // their names stand below, turned
+  std::vector<BarSeries> series;
+  std::vector<BarLevel> levels;
+};
+// Columns of one bar a series with error bars (HSSMG Figures 13 and 14). Throws `InvalidArgument` if there is
+// no column or no series, or a series has not one value and deviation a column.
+void plot_bars(const BarPlot& plot, const std::filesystem::path& png);
+
 struct CaptionedPicture {
   Image image;
   std::vector<std::string> lines;  // below it

@@ -38,6 +38,13 @@ Eigen::Matrix3d weighted_scatter(std::span<const Eigen::Vector3d> points, std::s
   return scatter;
 }
 
+// Root mean square of how far the points lie apart, as two fits carry them.
+double moved(const RigidFit& before, const RigidFit& after) {
+  const Eigen::Matrix3d turn = after.rotation - before.rotation;
+  return std::sqrt((after.centroid - before.carry(after.rest_centroid)).squaredNorm() +
+                   (turn * after.scatter * turn.transpose()).trace() / after.mass);
+}
+
 }  // namespace
 
 double RigidFit::variance_at(const Eigen::Vector3d& rest) const {
@@ -73,7 +80,7 @@ RigidFit fit_rigid(std::span<const Eigen::Vector3d> rest, std::span<const Eigen:
 }
 
 RigidFit fit_rigid_robustly(std::span<const Eigen::Vector3d> rest, std::span<const Eigen::Vector3d> points,
-                            std::span<const double> weights) {
+                            std::span<const double> weights, double close) {
   constexpr int iterations = 6;
   constexpr double least_scale = 1e-6;  // metres: exact data has residuals of rounding only
   RigidFit fit = fit_rigid(rest, points, weights);
@@ -92,7 +99,9 @@ RigidFit fit_rigid_robustly(std::span<const Eigen::Vector3d> rest, std::span<con
       const double influence = scale / (scale + squared[v]);
       reweighted[v] = weights[v] * influence * influence;
     }
+    const RigidFit before = fit;
     fit = fit_rigid(rest, points, reweighted);
+    if (moved(before, fit) < close) break;
   }
   return fit;
 }

@@ -36,8 +36,9 @@ RigidFit fit_rigid(std::span<const Eigen::Vector3d> rest, std::span<const Eigen:
                    std::span<const double> weights);
 
 // The same, iteratively reweighted: residuals far beyond the middle one count little (Geman and McClure).
+// Ends when a round moves the points by less than `close` metres, root mean square, and after six rounds.
 RigidFit fit_rigid_robustly(std::span<const Eigen::Vector3d> rest, std::span<const Eigen::Vector3d> points,
-                            std::span<const double> weights);
+                            std::span<const double> weights, double close = 0.0);
 
 // Whether the points fix a rotation: they do not lie on a line.
 bool fixes_rotation(std::span<const Eigen::Vector3d> rest, std::span<const double> weights);

@@ -3,6 +3,8 @@
 
 #include "reprise/skeleton/rigid_fit.h"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "reprise/core/random.h"
@@ -91,6 +93,24 @@ TEST(RigidFit, RobustFitPassesOverOutliers) {
   const double robust_error = (robust.rotation - some_motion().rotation()).norm();
   EXPECT_GT(plain_error, 0.01);
   EXPECT_LT(robust_error, 0.1 * plain_error);
+}
+
+TEST(RigidFit, RobustFitMayEndWhenItHardlyMoves) {
+  const Points rest = cloud(40, 5);
+  Points points = moved(rest, some_motion());
+  for (std::size_t i = 0; i < 12; ++i) points[i] += Eigen::Vector3d(0.2, 0.1, 0.0);
+  const std::vector<double> weights(40, 1.0);
+  const RigidFit full = fit_rigid_robustly(rest, points, weights);
+  const auto distance = [&](double close) {
+    const RigidFit fit = fit_rigid_robustly(rest, points, weights, close);
+    double farthest = 0.0;
+    for (const Eigen::Vector3d& p : rest)
+      farthest = std::max(farthest, (fit.carry(p) - full.carry(p)).norm());
+    return farthest;
+  };
+  EXPECT_GT(distance(1.0), 1e-3);  // one round is not enough here
+  EXPECT_LT(distance(1e-4), 1e-4);
+  EXPECT_EQ(distance(0.0), 0.0);
 }
 
 // Predicted spread against the spread of many noisy fits, up to the factor that all predictions share.

@@ -35,15 +35,6 @@ void check_target(const char* name, const char* unit, double target) {
   }
 }
 
-// A moment between two frames: alpha in [0, 1) of the way from `frame_idx` to the next.
-struct Moment {
-  std::size_t frame_idx = 0;
-  double alpha = 0.0;
-
-  bool is_frame() const { return alpha == 0.0; }
-  std::size_t nearest() const { return alpha > 0.5 ? frame_idx + 1 : frame_idx; }
-};
-
 // Where new frame `frame_idx` lies among the old ones, in whole numbers: what falls on a frame is that frame.
 Moment moment_of(std::size_t frame_idx, std::size_t new_count, std::size_t old_count) {
   const std::size_t scaled = frame_idx * (old_count - 1);

@@ -12,6 +12,15 @@
 
 namespace reprise {
 
+// A moment of a motion: alpha in [0, 1) of the way from `frame_idx` to the next frame.
+struct Moment {
+  std::size_t frame_idx = 0;
+  double alpha = 0.0;
+
+  bool is_frame() const { return alpha == 0.0; }
+  std::size_t nearest() const { return alpha > 0.5 ? frame_idx + 1 : frame_idx; }
+};
+
 // Cubic through the frames, in the gradient field: `blend_frames` of the two neighbours, plus what their own
 // neighbours say of how rotations, stretches and centroids speed up. Between x1 and x2, at alpha = a, with
 // second differences A1, A2 there:

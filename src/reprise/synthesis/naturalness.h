@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include "reprise/synthesis/edge_stretch.h"
 #include "reprise/synthesis/ground_contacts.h"
 
 namespace reprise {
@@ -28,6 +29,17 @@ struct Naturalness {
   double edge_stretch_p99 = 0.0;
   double captured_edge_stretch_p99 = 0.0;
 };
+
+// What the captured clips themselves are, over all of their frames.
+struct CapturedNaturalness {
+  double acceleration_p99 = 0.0;  // m/frame^2
+  double pop_ratio = 0.0;         // their largest acceleration over that; 0 if nothing moves
+  double foot_drift = 0.0;        // cm/s
+  double edge_stretch_p99 = 0.0;
+};
+// `edges`: of the first frame of the database.
+CapturedNaturalness captured_naturalness(const PerformanceDatabase& database, const GroundContacts& contacts,
+                                         const std::shared_ptr<const ReferenceEdges>& edges);
 
 // `result`: generated from `database`, with origins. Throws `InvalidArgument` if it has no origins, if its
 // topology is another, or if its origins name clips or frames the database does not have.

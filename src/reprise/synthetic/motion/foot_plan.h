@@ -12,7 +12,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "reprise/sequence/skeleton.h"
+#include "reprise/retarget/foot_shape.h"
 #include "reprise/synthetic/motion/motion_curve.h"
 
 namespace reprise::motion {
@@ -21,14 +21,8 @@ constexpr double side_sign(int side) {
   return side == 0 ? 1.0 : -1.0;
 }
 
-// Points of a foot at rest, in the skeleton's coordinates.
-struct FootShape {
-  Eigen::Vector3d ankle;
-  Eigen::Vector3d ball;     // joint of the toes
-  Eigen::Vector3d heel;     // rear edge of the sole, on the ground
-  Eigen::Vector3d toe_tip;  // of the sole
-};
-FootShape foot_shape(const Skeleton& skeleton, int side);
+using retargeting::foot_shape;
+using retargeting::FootShape;
 
 // Pitch is positive with the toes up. A foot with positive pitch stands on its heel, with negative pitch on
 // its ball, the toes staying flat.

@@ -12,12 +12,14 @@
 #include <vector>
 
 #include "reprise/database/markup.h"
+#include "reprise/retarget/limb.h"
 #include "reprise/sequence/skeleton.h"
 #include "reprise/synthetic/motion/body_controls.h"
 #include "reprise/synthetic/motion/foot_plan.h"
-#include "reprise/synthetic/motion/limb.h"
 
 namespace reprise::motion {
+
+using retargeting::Limb;
 
 // Lengths in scores are those of a performer with legs this long (hip joint over the ground), metres; they
 // are scaled to the skeleton's.

@@ -15,9 +15,9 @@
 #include <gtest/gtest.h>
 
 #include "reprise/core/error.h"
+#include "reprise/retarget/limb.h"
 #include "reprise/synthetic/motion/foot_plan.h"
 #include "reprise/synthetic/motion/gait.h"
-#include "reprise/synthetic/motion/limb.h"
 #include "reprise/synthetic/motion/motion_curve.h"
 
 namespace reprise {

@@ -1,0 +1,196 @@
+// SPDX-FileCopyrightText: 2026 The Reprise authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "reprise/core/error.h"
+#include "reprise/io/motion_file.h"
+
+namespace reprise {
+namespace {
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+constexpr double radians_per_degree = std::numbers::pi / 180.0;
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Joints that turn against their parents in the course of a motion: fingers of a body suit never do.
+class MovingJoints {
+ public:
+  explicit MovingJoints(const SkeletalMotion& motion) : motion_(motion) {
+    constexpr double least = 5.0 * radians_per_degree;
+    constexpr std::size_t samples = 50;
+    const std::size_t step = std::max<std::size_t>(1, motion.frames.size() / samples);
+    const std::size_t middle = motion.frames.size() / 2;
+    for (std::size_t j = 0; j < motion.skeleton.joints.size(); ++j) {
+      if (motion.skeleton.joints[j].parent < 0) continue;
+      double greatest = 0.0;
+      for (std::size_t f = 0; f < motion.frames.size(); f += step) {
+        greatest = std::max(greatest, local(f, j).angularDistance(local(middle, j)));
+      }
+      if (greatest > least) joints_.push_back(j);
+    }
+  }
+
+  bool empty() const { return joints_.empty(); }
+  // Share of them that are as at rest in a frame.
+  double share_at_rest(std::size_t frame) const {
+    constexpr double near = 2.5 * radians_per_degree;
+    std::size_t count = 0;
+    for (const std::size_t j : joints_) {
+      if (local(frame, j).angularDistance(Quaterniond::Identity()) < near) ++count;
+    }
+    return static_cast<double>(count) / static_cast<double>(joints_.size());
+  }
+  // Mean angle by which they turn from a frame to the next.
+  double turn_after(std::size_t frame) const {
+    double sum = 0.0;
+    for (const std::size_t j : joints_) sum += local(frame, j).angularDistance(local(frame + 1, j));
+    return sum / static_cast<double>(joints_.size());
+  }
+
+ private:
+  Quaterniond local(std::size_t frame, std::size_t joint) const {
+    const SkeletonPose& pose = motion_.frames[frame];
+    const auto parent = static_cast<std::size_t>(motion_.skeleton.joints[joint].parent);
+    return pose.rotation[parent].conjugate() * pose.rotation[joint];
+  }
+
+  const SkeletalMotion& motion_;
+  std::vector<std::size_t> joints_;
+};
+
+// Number of frames at the beginning in the rest pose, out of which the figure then leaps: a motion that
+// begins at rest and moves on smoothly has none. In a converter's T-pose a few joints are not as at rest.
+std::size_t rest_frames(const SkeletalMotion& motion) {
+  constexpr double at_rest = 0.6, moving = 0.45;
+  constexpr double longest = 1.0;  // second
+  constexpr double least_turn = 5.0 * radians_per_degree;
+  constexpr double leap = 2.5;  // times what joints turn in a frame otherwise
+  if (motion.frames.size() < 3) return 0;
+  const MovingJoints joints(motion);
+  if (joints.empty()) return 0;
+  const std::size_t last =
+      std::min(motion.frames.size() - 2, static_cast<std::size_t>(longest * motion.frames_per_second));
+  std::size_t count = 0;
+  while (count <= last && joints.share_at_rest(count) >= at_rest) ++count;
+  if (count == 0 || count > last || joints.share_at_rest(count) > moving) return 0;
+  std::vector<double> turns;
+  for (std::size_t f = count; f + 1 < motion.frames.size(); ++f) turns.push_back(joints.turn_after(f));
+  const double usual = turns.empty() ? 0.0 : median(std::move(turns));
+  return joints.turn_after(count - 1) > std::max(least_turn, leap * usual) ? count : 0;
+}
+
+struct Leap {
+  Vector3d common = Vector3d::Zero();  // by which the joints go farther than before and after
+  double apart = 0.0;                  // how far most of them are from that
+};
+
+// From a frame to the next; `begin`: the first frame that counts.
+Leap leap_after(const SkeletalMotion& motion, std::size_t frame, std::size_t begin) {
+  const std::size_t count = motion.skeleton.joints.size();
+  const auto step = [&](std::size_t f, std::size_t j) -> Vector3d {
+    return motion.frames[f + 1].position[j] - motion.frames[f].position[j];
+  };
+  std::vector<Vector3d> excess(count);
+  for (std::size_t j = 0; j < count; ++j) {
+    // Median of up to two steps before and after: another leap nearby does not count.
+    std::vector<Vector3d> near;
+    for (const int offset : {-2, -1, 1, 2}) {
+      const auto f = static_cast<std::ptrdiff_t>(frame) + offset;
+      if (f < static_cast<std::ptrdiff_t>(begin) ||
+          f + 1 >= static_cast<std::ptrdiff_t>(motion.frames.size())) {
+        continue;
+      }
+      near.push_back(step(static_cast<std::size_t>(f), j));
+    }
+    Vector3d usual = Vector3d::Zero();
+    for (int axis = 0; axis < 3 && !near.empty(); ++axis) {
+      std::vector<double> values;
+      for (const Vector3d& value : near) values.push_back(value[axis]);
+      std::ranges::sort(values);
+      usual[axis] = 0.5 * (values[(values.size() - 1) / 2] + values[values.size() / 2]);
+    }
+    excess[j] = step(frame, j) - usual;
+  }
+  Leap leap;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> values;
+    for (const Vector3d& value : excess) values.push_back(value[axis]);
+    leap.common[axis] = median(std::move(values));
+  }
+  std::vector<double> apart;
+  for (const Vector3d& value : excess) apart.push_back((value - leap.common).norm());
+  const auto most = apart.begin() + static_cast<std::ptrdiff_t>(3 * apart.size() / 4);
+  std::nth_element(apart.begin(), most, apart.end());
+  leap.apart = *most;
+  return leap;
+}
+
+}  // namespace
+
+std::vector<MotionDefect> find_defects(const SkeletalMotion& motion) {
+  constexpr double shortest = 0.04;  // metres
+  // Three to four times free fall: what bodies do to change their way within a frame.
+  constexpr double greatest_acceleration = 40.0;
+  std::vector<MotionDefect> defects;
+  if (motion.skeleton.joints.empty()) return defects;
+  const std::size_t rest = rest_frames(motion);
+  if (rest > 0) {
+    defects.push_back(
+        {.kind = MotionDefect::Kind::rest_pose, .first_frame = 0, .last_frame = rest - 1, .distance = 0.0});
+  }
+  const double tick = 1.0 / motion.frames_per_second;
+  const double least = std::max(shortest, greatest_acceleration * tick * tick);
+  for (std::size_t f = rest; f + 1 < motion.frames.size(); ++f) {
+    const Leap leap = leap_after(motion, f, rest);
+    const double distance = leap.common.norm();
+    if (!(distance > least) || distance < leap.apart) continue;
+    defects.push_back(
+        {.kind = MotionDefect::Kind::jump, .first_frame = f, .last_frame = f + 1, .distance = distance});
+  }
+  return defects;
+}
+
+std::string to_string(const MotionDefect& defect) {
+  const std::size_t first = defect.first_frame + 1, last = defect.last_frame + 1;
+  if (defect.kind == MotionDefect::Kind::jump) {
+    return fmt::format("the figure jumps {:.0f} cm between frames {} and {}", 100.0 * defect.distance, first,
+                       last);
+  }
+  return first == last ? fmt::format("frame {} is in the rest pose", first)
+                       : fmt::format("frames {} to {} are in the rest pose", first, last);
+}
+
+SkeletalMotion without_defects(const SkeletalMotion& motion, const std::vector<MotionDefect>& defects) {
+  SkeletalMotion result = motion;
+  std::size_t begin = 0;
+  for (const MotionDefect& defect : defects) {
+    if (defect.last_frame >= motion.frames.size() || defect.first_frame > defect.last_frame) {
+      throw InvalidArgument(fmt::format("a defect at frames {} to {} of a motion of {} frames",
+                                        defect.first_frame, defect.last_frame, motion.frames.size()));
+    }
+    if (defect.kind == MotionDefect::Kind::rest_pose) begin = std::max(begin, defect.last_frame + 1);
+  }
+  for (const MotionDefect& defect : defects) {
+    if (defect.kind != MotionDefect::Kind::jump || defect.first_frame < begin) continue;
+    const Vector3d shift = leap_after(motion, defect.first_frame, begin).common;
+    for (std::size_t f = 0; f <= defect.first_frame; ++f) {
+      for (Vector3d& position : result.frames[f].position) position += shift;
+    }
+  }
+  result.frames.erase(result.frames.begin(), result.frames.begin() + static_cast<std::ptrdiff_t>(begin));
+  return result;
+}
+
+}  // namespace reprise
