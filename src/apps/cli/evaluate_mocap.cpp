@@ -69,7 +69,8 @@ Action add_evaluate_mocap(CLI::App& command) {
     if (!arguments->held_file.empty()) asked.held = read_held_clips(arguments->held_file);
     add_held(arguments->held, asked.held);
     const std::vector<MocapTrial> trials = evaluate_mocap(arguments->database, arguments->folder, asked);
-    if (Ranks::is_first()) fmt::print("{}", read_text_file(arguments->folder / "mocap.md"));
+    if (!Ranks::is_first()) return exit_success;
+    fmt::print("{}", read_text_file(arguments->folder / "mocap.md"));
     const bool has_failed =
         std::ranges::any_of(trials, [](const MocapTrial& trial) { return !trial.failure.empty(); });
     return has_failed ? exit_failure : exit_success;

@@ -24,6 +24,13 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
+// The rotation of a joint against its parent.
+Quaterniond local_rotation(const SkeletalMotion& motion, std::size_t frame, std::size_t joint) {
+  const SkeletonPose& pose = motion.frames[frame];
+  const auto parent = static_cast<std::size_t>(motion.skeleton.joints[joint].parent);
+  return pose.rotation[parent].conjugate() * pose.rotation[joint];
+}
+
 // Joints that turn against their parents in the course of a motion: fingers of a body suit never do.
 class MovingJoints {
  public:
@@ -61,9 +68,7 @@ class MovingJoints {
 
  private:
   Quaterniond local(std::size_t frame, std::size_t joint) const {
-    const SkeletonPose& pose = motion_.frames[frame];
-    const auto parent = static_cast<std::size_t>(motion_.skeleton.joints[joint].parent);
-    return pose.rotation[parent].conjugate() * pose.rotation[joint];
+    return local_rotation(motion_, frame, joint);
   }
 
   const SkeletalMotion& motion_;
@@ -137,6 +142,71 @@ Leap leap_after(const SkeletalMotion& motion, std::size_t frame, std::size_t beg
   return leap;
 }
 
+// Spans in which a joint is turned over: between two leaps that no body makes, of which the second takes the
+// first one back, or between a leap and the end that is near.
+void find_flips(const SkeletalMotion& motion, std::size_t joint, std::size_t begin,
+                std::vector<MotionDefect>& defects) {
+  constexpr double fastest = 8000.0 * radians_per_degree;  // a second
+  constexpr double least = 60.0 * radians_per_degree;      // a frame
+  constexpr double longest = 0.25;                         // seconds
+  const auto turn = [&](std::size_t a, std::size_t b) {
+    return local_rotation(motion, a, joint).angularDistance(local_rotation(motion, b, joint));
+  };
+  const double limit = std::max(least, fastest / motion.frames_per_second);
+  const std::size_t end = motion.frames.size();
+  const auto reach = static_cast<std::size_t>(longest * motion.frames_per_second);
+  std::vector<std::size_t> leaps;  // between these frames and the next
+  for (std::size_t f = begin; f + 1 < end; ++f) {
+    if (turn(f, f + 1) > limit) leaps.push_back(f);
+  }
+  const auto add = [&](std::size_t first, std::size_t last) {
+    defects.push_back({.kind = MotionDefect::Kind::flip,
+                       .first_frame = first,
+                       .last_frame = last,
+                       .joint = static_cast<int>(joint)});
+  };
+  for (std::size_t i = 0; i < leaps.size(); ++i) {
+    const std::size_t f = leaps[i];
+    const bool returns =
+        i + 1 < leaps.size() && leaps[i + 1] - f <= reach && turn(f, leaps[i + 1] + 1) < 0.5 * limit;
+    if (returns) {
+      add(f + 1, leaps[i + 1]);
+      ++i;
+    } else if (f - begin < reach) {
+      add(begin, f);
+    } else if (end - 2 - f < reach) {
+      add(f + 1, end - 1);
+    }
+  }
+}
+
+// The joint's rotation against its parent over the span, with all that hangs on it.
+void lead_over(SkeletalMotion& motion, const MotionDefect& flip, std::size_t begin) {
+  const auto joint = static_cast<std::size_t>(flip.joint);
+  const bool has_before = flip.first_frame > begin, has_after = flip.last_frame + 1 < motion.frames.size();
+  if (!has_before && !has_after) return;
+  const Quaterniond before =
+      local_rotation(motion, has_before ? flip.first_frame - 1 : flip.last_frame + 1, joint);
+  const Quaterniond after =
+      local_rotation(motion, has_after ? flip.last_frame + 1 : flip.first_frame - 1, joint);
+  const double steps = static_cast<double>(flip.last_frame + 2 - flip.first_frame);
+  for (std::size_t f = flip.first_frame; f <= flip.last_frame; ++f) {
+    const SkeletonPose old = motion.frames[f];
+    SkeletonPose& pose = motion.frames[f];
+    for (std::size_t j = joint; j < old.rotation.size(); ++j) {
+      if (motion.skeleton.joints[j].parent < 0) continue;
+      const auto parent = static_cast<std::size_t>(motion.skeleton.joints[j].parent);
+      const Quaterniond from_parent =
+          j == joint ? before.slerp(static_cast<double>(f + 1 - flip.first_frame) / steps, after)
+                     : old.rotation[parent].conjugate() * old.rotation[j];
+      pose.rotation[j] = (pose.rotation[parent] * from_parent).normalized();
+      pose.position[j] = pose.position[parent] +
+                         pose.rotation[parent] *
+                             (old.rotation[parent].conjugate() * (old.position[j] - old.position[parent]));
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<MotionDefect> find_defects(const SkeletalMotion& motion) {
@@ -152,21 +222,30 @@ std::vector<MotionDefect> find_defects(const SkeletalMotion& motion) {
   }
   const double tick = 1.0 / motion.frames_per_second;
   const double least = std::max(shortest, greatest_acceleration * tick * tick);
-  for (std::size_t f = rest; f + 1 < motion.frames.size(); ++f) {
+  // A jump is told from the steps before and after it.
+  for (std::size_t f = rest + 1; f + 2 < motion.frames.size(); ++f) {
     const Leap leap = leap_after(motion, f, rest);
     const double distance = leap.common.norm();
     if (!(distance > least) || distance < leap.apart) continue;
     defects.push_back(
         {.kind = MotionDefect::Kind::jump, .first_frame = f, .last_frame = f + 1, .distance = distance});
   }
+  for (std::size_t j = 0; j < motion.skeleton.joints.size(); ++j) {
+    if (motion.skeleton.joints[j].parent >= 0) find_flips(motion, j, rest, defects);
+  }
   return defects;
 }
 
-std::string to_string(const MotionDefect& defect) {
+std::string to_string(const MotionDefect& defect, const Skeleton& skeleton) {
   const std::size_t first = defect.first_frame + 1, last = defect.last_frame + 1;
   if (defect.kind == MotionDefect::Kind::jump) {
     return fmt::format("the figure jumps {:.0f} cm between frames {} and {}", 100.0 * defect.distance, first,
                        last);
+  }
+  if (defect.kind == MotionDefect::Kind::flip) {
+    const std::string& name = skeleton.joints.at(static_cast<std::size_t>(defect.joint)).name;
+    return first == last ? fmt::format("{} is turned over in frame {}", name, first)
+                         : fmt::format("{} is turned over in frames {} to {}", name, first, last);
   }
   return first == last ? fmt::format("frame {} is in the rest pose", first)
                        : fmt::format("frames {} to {} are in the rest pose", first, last);
@@ -183,6 +262,7 @@ SkeletalMotion without_defects(const SkeletalMotion& motion, const std::vector<M
     if (defect.kind == MotionDefect::Kind::rest_pose) begin = std::max(begin, defect.last_frame + 1);
   }
   for (const MotionDefect& defect : defects) {
+    if (defect.kind == MotionDefect::Kind::flip) lead_over(result, defect, begin);
     if (defect.kind != MotionDefect::Kind::jump || defect.first_frame < begin) continue;
     const Vector3d shift = leap_after(motion, defect.first_frame, begin).common;
     for (std::size_t f = 0; f <= defect.first_frame; ++f) {

@@ -39,19 +39,22 @@ MotionFile read_motion(const MotionSource& source);
 // Frames that cannot be what the body did, as far as one sees it without knowing the body.
 struct MotionDefect {
   enum class Kind {
-    jump,      // the whole figure is elsewhere from one frame to the next, and goes on there
-    rest_pose  // frames at the beginning in the file's rest pose (a T-pose, all angles zero), then another
-               // pose
+    jump,       // the whole figure is elsewhere from one frame to the next, and goes on there
+    rest_pose,  // frames at the beginning in the file's rest pose (a T-pose, all angles zero), then another
+                // pose
+    flip        // one joint is turned over for less than a quarter of a second, or so at either end
   };
   Kind kind = Kind::jump;
   std::size_t first_frame = 0;  // of the frames; a jump is between first_frame and first_frame + 1
   std::size_t last_frame = 0;
   double distance = 0.0;  // metres, of a jump
+  int joint = -1;         // of a flip
 };
 std::vector<MotionDefect> find_defects(const SkeletalMotion& motion);
 // "frames 1 to 4 are in the rest pose": frames counted from 1, as the files count them.
-std::string to_string(const MotionDefect& defect);
-// Without the leading rest pose, and with what comes before a jump moved to where it goes on.
+std::string to_string(const MotionDefect& defect, const Skeleton& skeleton);
+// Without the leading rest pose, and with what comes before a jump moved to where it goes on, and with a
+// joint that flips led from its last good rotation to the next one.
 SkeletalMotion without_defects(const SkeletalMotion& motion, const std::vector<MotionDefect>& defects);
 
 }  // namespace reprise

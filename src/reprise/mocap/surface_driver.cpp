@@ -73,8 +73,8 @@ PartEditorOptions drive_part_options() {
   return options;
 }
 
-SurfaceDriver::SurfaceDriver(const DriveRig& rig, DriveModel model)
-    : rig_(rig), model_(model), editor_(make_editor(rig, model)) {}
+SurfaceDriver::SurfaceDriver(DriveRig rig, DriveModel model)
+    : rig_(std::move(rig)), model_(model), editor_(make_editor(rig_, model)) {}
 
 SurfaceDriver::~SurfaceDriver() = default;
 

@@ -34,8 +34,8 @@ PartEditorOptions drive_part_options();
 // frames before.
 class SurfaceDriver {
  public:
-  // `rig` must outlive the driver. Throws `InvalidArgument` for a learnt model that the rig lacks.
-  SurfaceDriver(const DriveRig& rig, DriveModel model);
+  // Throws `InvalidArgument` for a learnt model that the rig lacks.
+  SurfaceDriver(DriveRig rig, DriveModel model);
   ~SurfaceDriver();
 
   // `frame`, whose skeleton is in `source`, in the pose `target`: N x 3, metres. It is first moved as a whole
@@ -46,7 +46,7 @@ class SurfaceDriver {
              PositionsRef out);
 
  private:
-  const DriveRig& rig_;
+  DriveRig rig_;
   DriveModel model_;
   std::unique_ptr<SurfaceEditor> editor_;  // null: skinning alone
 };

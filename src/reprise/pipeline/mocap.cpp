@@ -135,7 +135,7 @@ MocapStage::Query MocapStage::read(const MocapQuery& query) const {
   Query read{.file = read_motion(query.source)};
   read.defects = find_defects(read.file.motion);
   for (const MotionDefect& defect : read.defects) {
-    spdlog::warn("{}: {}", query.source.motion.string(), to_string(defect));
+    spdlog::warn("{}: {}", query.source.motion.string(), to_string(defect, read.file.motion.skeleton));
   }
   read.motion = read.defects.empty() ? read.file.motion : without_defects(read.file.motion, read.defects);
   return read;

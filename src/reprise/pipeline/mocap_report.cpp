@@ -26,14 +26,26 @@ const char* timing_name(Timing timing) {
   return "";
 }
 
+const char* kind_name(MotionDefect::Kind kind) {
+  switch (kind) {
+    case MotionDefect::Kind::jump:
+      return "jump";
+    case MotionDefect::Kind::rest_pose:
+      return "rest_pose";
+    case MotionDefect::Kind::flip:
+      return "flip";
+  }
+  return "";
+}
+
 json describe_query(const MocapQuery& query, const MocapStage::Query& read) {
   json defects = json::array();
   for (const MotionDefect& defect : read.defects) {
-    defects.push_back({{"kind", defect.kind == MotionDefect::Kind::jump ? "jump" : "rest_pose"},
+    defects.push_back({{"kind", kind_name(defect.kind)},
                        {"first_frame", defect.first_frame},
                        {"last_frame", defect.last_frame},
                        {"distance", defect.distance},
-                       {"text", to_string(defect)}});
+                       {"text", to_string(defect, read.file.motion.skeleton)}});
   }
   return {{"motion", query.source.motion.string()},
           {"frames", read.file.motion.frames.size()},

@@ -174,7 +174,9 @@ void run_checked(const MocapStage& stage, const CorpusTrial& trial, const MeshSe
                  MocapTrial& result) {
   const auto start = Clock::now();
   const MocapStage::Query query = stage.read({.source = trial.source, .name = trial.trial});
-  for (const MotionDefect& defect : query.defects) result.notes.push_back(to_string(defect));
+  for (const MotionDefect& defect : query.defects) {
+    result.notes.push_back(to_string(defect, query.file.motion.skeleton));
+  }
   auto plans = stage.character().plan(query.motion, stage.options().mocap);
   result.planning_seconds = seconds_since(start);
   if (!plans) {

@@ -23,7 +23,7 @@ SkeletalMotion read_whole_motion(const MotionSource& source) {
   for (const std::string& note : file.notes) spdlog::info("{}: {}", source.motion.string(), note);
   const std::vector<MotionDefect> defects = find_defects(file.motion);
   for (const MotionDefect& defect : defects) {
-    spdlog::warn("{}: {}, which is mended", source.motion.string(), to_string(defect));
+    spdlog::warn("{}: {}, which is mended", source.motion.string(), to_string(defect, file.motion.skeleton));
   }
   return defects.empty() ? std::move(file.motion) : without_defects(file.motion, defects);
 }

@@ -17,7 +17,8 @@ namespace {
 constexpr double plot_height = 330.0;
 constexpr double left = 76.0;
 constexpr double right = 20.0;
-constexpr double top = 74.0;  // title and key
+constexpr double title_height = 40.0;
+constexpr double key_height = 18.0;  // of an entry
 constexpr double letter_width = 7.2;
 constexpr double narrowest = 560.0;
 
@@ -61,6 +62,8 @@ void plot_bars(const BarPlot& plot, const std::filesystem::path& png) {
   const auto bars = static_cast<double>(plot.series.size());
   const double below = 20.0 + letter_width * static_cast<double>(longest);
   const double width = left + std::max(narrowest, columns * std::max(15.0, 8.0 * bars)) + right;
+  const double top =
+      title_height + key_height * static_cast<double>(plot.series.size() + plot.levels.size()) + 8.0;
   const double height = top + plot_height + below;
   const double high = highest(plot);
 
@@ -76,9 +79,9 @@ void plot_bars(const BarPlot& plot, const std::filesystem::path& png) {
       columns - 0.4, high, round_step(high / 6.0));
   script += fmt::format("set label {} at screen 0.5,screen {} center font ',13'\nset ylabel {} offset 1,0\n",
                         gnuplot_quoted(plot.title), 1.0 - 18.0 / height, gnuplot_quoted(plot.y_label));
-  script += fmt::format(
-      "set key at screen {},screen {} left top horizontal maxrows 1 Left reverse samplen 1.5 width -2\n",
-      left / width, 1.0 - 36.0 / height);
+  script +=
+      fmt::format("set key at screen {},screen {} left top vertical maxcols 1 Left reverse samplen 1.5\n",
+                  left / width, 1.0 - 36.0 / height);
   std::string labels;
   for (std::size_t c = 0; c < plot.columns.size(); ++c) {
     labels += fmt::format("{}{} {}", c == 0 ? "" : ", ", gnuplot_quoted(plot.columns[c]), c);
