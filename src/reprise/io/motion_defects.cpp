@@ -142,6 +142,21 @@ Leap leap_after(const SkeletalMotion& motion, std::size_t frame, std::size_t beg
   return leap;
 }
 
+// How far the farthest joint that hangs on one is from it at rest.
+double reach_below(const Skeleton& skeleton, std::size_t joint) {
+  double farthest = 0.0;
+  std::vector<bool> hangs(skeleton.joints.size(), false);
+  hangs[joint] = true;
+  for (std::size_t j = joint + 1; j < skeleton.joints.size(); ++j) {
+    const int parent = skeleton.joints[j].parent;
+    hangs[j] = parent >= 0 && hangs[static_cast<std::size_t>(parent)];
+    if (!hangs[j]) continue;
+    farthest =
+        std::max(farthest, (skeleton.joints[j].rest_position - skeleton.joints[joint].rest_position).norm());
+  }
+  return farthest;
+}
+
 // Spans in which a joint is turned over: between two leaps that no body makes, of which the second takes the
 // first one back, or between a leap and the end that is near.
 void find_flips(const SkeletalMotion& motion, std::size_t joint, std::size_t begin,
@@ -230,8 +245,10 @@ std::vector<MotionDefect> find_defects(const SkeletalMotion& motion) {
     defects.push_back(
         {.kind = MotionDefect::Kind::jump, .first_frame = f, .last_frame = f + 1, .distance = distance});
   }
+  constexpr double shortest_bone = 0.06;  // metres: thumbs of body suits flutter, and nobody sees it
   for (std::size_t j = 0; j < motion.skeleton.joints.size(); ++j) {
-    if (motion.skeleton.joints[j].parent >= 0) find_flips(motion, j, rest, defects);
+    if (motion.skeleton.joints[j].parent < 0 || reach_below(motion.skeleton, j) < shortest_bone) continue;
+    find_flips(motion, j, rest, defects);
   }
   return defects;
 }

@@ -271,8 +271,14 @@ TEST(MotionDefects, FlipsAreFoundAndLedOver) {
   const auto flipped = [&](std::size_t first, std::size_t last) {
     SkeletalMotion motion = truth;
     for (std::size_t f = first; f <= last; ++f) {
-      Quaterniond& rotation = motion.frames[f].rotation[joint];
-      rotation = rotation * Quaterniond(Eigen::AngleAxisd(2.5, Vector3d::UnitX()));
+      const Quaterniond turn(AngleAxisd(2.5, Vector3d::UnitX()));
+      // With its End Site, the last joint.
+      motion.frames[f].rotation[joint] = motion.frames[f].rotation[joint] * turn;
+      motion.frames[f].rotation.back() = motion.frames[f].rotation.back() * turn;
+      motion.frames[f].position.back() =
+          motion.frames[f].position[joint] +
+          motion.frames[f].rotation[joint] *
+              (truth.skeleton.joints.back().rest_position - truth.skeleton.joints[joint].rest_position);
     }
     return motion;
   };

@@ -70,6 +70,7 @@ SkeletonPose moved(const UprightMotion& motion, const SkeletonPose& pose) {
 PartEditorOptions drive_part_options() {
   PartEditorOptions options;
   options.prior = 100.0;
+  options.free_turn = 1.2;
   return options;
 }
 

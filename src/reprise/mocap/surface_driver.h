@@ -27,7 +27,8 @@ struct DriveRig {
 
 // Learnt parts for driving. Constraints are dense, so the pose of a part is known, and what the coefficients
 // of its learnt space must not do is explain the rest of its motion: their prior is a hundred times that of
-// edits by hand (docs/mocap.md).
+// edits by hand. For the same reason the surface turns by itself only where it is far from what was learnt;
+// skirts that hang loosely flutter from frame to frame otherwise (docs/mocap.md).
 PartEditorOptions drive_part_options();
 
 // Keeps factorisations from frame to frame; one a thread. What it makes of a frame does not depend on the
