@@ -4,7 +4,6 @@
 #include "reprise/pipeline/learn_model.h"
 
 #include <algorithm>
-#include <chrono>
 #include <iterator>
 #include <optional>
 
@@ -12,6 +11,7 @@
 
 #include "reprise/core/error.h"
 #include "reprise/core/progress.h"
+#include "reprise/core/stopwatch.h"
 #include "reprise/database/body_parts.h"
 #include "reprise/deform/part_hierarchy.h"
 #include "reprise/io/database_file.h"
@@ -24,16 +24,6 @@ namespace {
 
 using nlohmann::json;
 using Model = LearnModelOptions::Model;
-
-class Stopwatch {
- public:
-  double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 // A surface and the parts it is divided into.
 struct Body {

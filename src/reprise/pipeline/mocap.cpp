@@ -4,13 +4,13 @@
 #include "reprise/pipeline/mocap.h"
 
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "reprise/core/error.h"
 #include "reprise/core/log.h"
+#include "reprise/core/stopwatch.h"
 #include "reprise/io/database_file.h"
 #include "reprise/pipeline/graph.h"
 #include "reprise/pipeline/learn_model.h"
@@ -22,16 +22,6 @@ namespace reprise {
 namespace {
 
 namespace fs = std::filesystem;
-
-class Stopwatch {
- public:
-  double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 MocapStageOptions completed(MocapStageOptions options, const PerformanceDatabase& database) {
   options.mocap.retargeting.frames_per_second = database.frames_per_second();

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <string>
 
+#include "reprise/retarget/bone_angles.h"
 #include "reprise/retarget/foot_shape.h"
 #include "reprise/retarget/hip_course.h"
 #include "reprise/retarget/limb.h"
@@ -19,8 +20,6 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 namespace {
-
-constexpr double radians_per_degree = std::numbers::pi / 180.0;
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
@@ -41,10 +40,6 @@ struct Angles {
 Angles angles_of(const Quaterniond& foot) {
   const Vector3d ahead = foot * Vector3d::UnitZ();
   return {std::atan2(ahead.x(), ahead.z()), std::asin(std::clamp(ahead.y(), -1.0, 1.0))};
-}
-
-Quaterniond yaw_rotation(double yaw) {
-  return Quaterniond(Eigen::AngleAxisd(yaw, Vector3d::UnitY()));
 }
 
 Quaterniond pitch_rotation(double pitch) {  // positive: toes up
@@ -209,7 +204,7 @@ void PlantedFoot::split(Stance stance) {
 }
 
 Foot PlantedFoot::standing(const Vector3d& ball, double yaw, double pitch) const {
-  const Quaterniond turn = yaw_rotation(yaw);
+  const Quaterniond turn = turn_about_up(yaw);
   const Quaterniond rotation = turn * pitch_rotation(pitch);
   if (pitch <= 0.0) return {ball + rotation * (shape_.ankle - shape_.ball), rotation, turn};
   const Vector3d heel = ball + turn * (shape_.heel - shape_.ball);

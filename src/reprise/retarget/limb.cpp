@@ -6,39 +6,30 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reprise/retarget/bone_angles.h"
+
 namespace reprise::retargeting {
 
 using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-namespace {
-
-Matrix3d frame(const Vector3d& direction, const Vector3d& hinge) {
-  const Vector3d along = direction.normalized();
-  const Vector3d axis = (hinge - hinge.dot(along) * along).normalized();
-  Matrix3d M;
-  M << axis, along, axis.cross(along);
-  return M;
-}
-
-}  // namespace
-
 Limb::Limb(const Vector3d& root, const Vector3d& middle, const Vector3d& end, const Vector3d& hinge)
     : upper_((middle - root).norm()),
       lower_((end - middle).norm()),
-      upper_frame_(frame(middle - root, hinge)),
-      lower_frame_(frame(end - middle, hinge)) {}
+      upper_frame_(hinge_frame(middle - root, hinge)),
+      lower_frame_(hinge_frame(end - middle, hinge)) {}
 
 double Limb::distance(double flexion) const {
   return std::sqrt(upper_ * upper_ + lower_ * lower_ + 2.0 * upper_ * lower_ * std::cos(flexion));
 }
 
 Limb::Rotations Limb::posed(const Vector3d& upper_direction, const Vector3d& hinge, double flexion) const {
-  const Matrix3d M = frame(upper_direction, hinge);
+  const Matrix3d M = hinge_frame(upper_direction, hinge);
   const Vector3d lower_direction = Eigen::AngleAxisd(flexion, M.col(0)) * M.col(1);
-  return {.upper = Quaterniond(M * upper_frame_.transpose()).normalized(),
-          .lower = Quaterniond(frame(lower_direction, M.col(0)) * lower_frame_.transpose()).normalized()};
+  return {
+      .upper = Quaterniond(M * upper_frame_.transpose()).normalized(),
+      .lower = Quaterniond(hinge_frame(lower_direction, M.col(0)) * lower_frame_.transpose()).normalized()};
 }
 
 Limb::Rotations Limb::reaching(const Vector3d& root, const Vector3d& end, const Vector3d& pole,

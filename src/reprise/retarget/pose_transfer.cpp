@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "reprise/core/error.h"
+#include "reprise/retarget/bone_angles.h"
 
 namespace reprise::retargeting {
 
@@ -19,20 +20,11 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr double radians_per_degree = std::numbers::pi / 180.0;
 constexpr std::array<const char*, 5> trunk_joints = {"pelvis", "spine", "chest", "neck", "head"};
 constexpr std::array<const char*, 2> side_names = {"left_", "right_"};
 
 std::size_t index(int i) {
   return static_cast<std::size_t>(i);
-}
-
-double heading(const Vector3d& direction) {
-  return std::atan2(direction.x(), direction.z());
-}
-
-Quaterniond turn_about_up(double yaw) {
-  return Quaterniond(Eigen::AngleAxisd(yaw, Vector3d::UnitY()));
 }
 
 // The least rotation after `rotation` that takes `from` to the direction of `to`.

@@ -13,6 +13,7 @@
 #include <spdlog/spdlog.h>
 
 #include "reprise/core/error.h"
+#include "reprise/retarget/bone_angles.h"
 
 namespace reprise::retargeting {
 
@@ -22,18 +23,8 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr double radians_per_degree = std::numbers::pi / 180.0;
-
 std::size_t index(int i) {
   return static_cast<std::size_t>(i);
-}
-
-double heading(const Vector3d& direction) {
-  return std::atan2(direction.x(), direction.z());
-}
-
-Quaterniond turn_about_up(double yaw) {
-  return Quaterniond(Eigen::AngleAxisd(yaw, Vector3d::UnitY()));
 }
 
 double angle_between(const Vector3d& a, const Vector3d& b) {
@@ -113,15 +104,6 @@ double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
-}
-
-// Columns: the hinge, made perpendicular; the direction; their cross product.
-Matrix3d frame(const Vector3d& direction, const Vector3d& hinge) {
-  const Vector3d along = direction.normalized();
-  const Vector3d axis = (hinge - hinge.dot(along) * along).normalized();
-  Matrix3d M;
-  M << axis, along, axis.cross(along);
-  return M;
 }
 
 // A foot that stands flat and still, as it is turned when its toes point along +Z.
@@ -221,13 +203,13 @@ void straighten_limb(std::vector<Quaterniond>& standing_from_own, const Skeleton
   const SkeletonPose rest = rest_pose(skeleton);
   const Body at_rest(body, rest);
   const auto [upper, middle, end] = joints;
-  const Matrix3d target = frame(direction, standing_hinge);
+  const Matrix3d target = hinge_frame(direction, standing_hinge);
   const auto turn = [&](int from, int to, const Vector3d& axis) -> Quaterniond {
     const Vector3d bone = at_rest.position(to) - at_rest.position(from);
     // A hinge along its bone says nothing; then the bone is turned as little as may be.
     if (hinge.is_known && angle_between(axis, bone) > 0.3 &&
         angle_between(axis, bone) < std::numbers::pi - 0.3) {
-      return Quaterniond(target * frame(bone, axis).transpose()).normalized();
+      return Quaterniond(target * hinge_frame(bone, axis).transpose()).normalized();
     }
     return (Quaterniond::FromTwoVectors(otherwise * bone, direction) * otherwise).normalized();
   };
