@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -180,6 +181,8 @@ void find_flips(const SkeletalMotion& motion, std::size_t joint, std::size_t beg
                        .last_frame = last,
                        .joint = static_cast<int>(joint)});
   };
+  // Of several leaps near an end, the one that is farthest from it counts.
+  std::optional<std::size_t> leading, trailing;
   for (std::size_t i = 0; i < leaps.size(); ++i) {
     const std::size_t f = leaps[i];
     const bool returns =
@@ -188,11 +191,13 @@ void find_flips(const SkeletalMotion& motion, std::size_t joint, std::size_t beg
       add(f + 1, leaps[i + 1]);
       ++i;
     } else if (f - begin < reach) {
-      add(begin, f);
-    } else if (end - 2 - f < reach) {
-      add(f + 1, end - 1);
+      leading = f;
+    } else if (end - 2 - f < reach && !trailing) {
+      trailing = f;
     }
   }
+  if (leading) add(begin, *leading);
+  if (trailing) add(*trailing + 1, end - 1);
 }
 
 // The joint's rotation against its parent over the span, with all that hangs on it.
@@ -245,7 +250,7 @@ std::vector<MotionDefect> find_defects(const SkeletalMotion& motion) {
     defects.push_back(
         {.kind = MotionDefect::Kind::jump, .first_frame = f, .last_frame = f + 1, .distance = distance});
   }
-  constexpr double shortest_bone = 0.06;  // metres: thumbs of body suits flutter, and nobody sees it
+  constexpr double shortest_bone = 0.05;  // metres: thumbs of body suits flutter, and nobody sees it
   for (std::size_t j = 0; j < motion.skeleton.joints.size(); ++j) {
     if (motion.skeleton.joints[j].parent < 0 || reach_below(motion.skeleton, j) < shortest_bone) continue;
     find_flips(motion, j, rest, defects);

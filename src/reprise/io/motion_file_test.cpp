@@ -333,7 +333,7 @@ TEST(MotionCorpusFiles, AllAreReadAndOnlyTrueDefectsAreNamed) {
       {"08_07.amc", "the figure jumps 10 cm between frames 6 and 7"},
       {"09_10.amc", "frames 1 to 4 are in the rest pose"},
       {"16_15.amc", "lhumerus is turned over in frames 1 to 2"},
-      {"16_16.amc", "lhand is turned over in frames 4 to 5"},
+      {"16_16.amc", "lhand is turned over in frames 1 to 5"},
       {"16_23.amc", "rhumerus is turned over in frames 1 to 3"},
       {"35_19.amc", "rhand is turned over in frames 105 to 110"},
       {"35_26.amc", "rhand is turned over in frames 66 to 67"},
