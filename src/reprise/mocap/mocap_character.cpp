@@ -4,7 +4,11 @@
 #include "reprise/mocap/mocap_character.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
 #include <mutex>
+#include <optional>
 
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
@@ -61,6 +65,26 @@ std::vector<JointTrack> tracks_of(const std::vector<SkeletalMotion>& motions) {
   return tracks;
 }
 
+// The lowest points of both feet on the marked surface; none if the feet are not marked.
+std::optional<std::array<double, 2>> soles_at_rest(const Markup& markup) {
+  const JointMap map = find_joints(markup.skeleton, "the character");
+  std::array<double, 2> soles = {};
+  for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
+    const std::string name = side == 0 ? "left_" : "right_";
+    float lowest = std::numeric_limits<float>::infinity();
+    for (const char* bone : {"foot", "toe"}) {
+      const auto joint = map.joints.find(name + bone);
+      if (joint == map.joints.end()) continue;
+      for (const std::int32_t v : markup.vertices_of_joint(markup.skeleton.joint_idx(joint->second))) {
+        lowest = std::min(lowest, markup.reference(v, 1));
+      }
+    }
+    if (!std::isfinite(lowest)) return std::nullopt;
+    soles[side] = static_cast<double>(lowest);
+  }
+  return soles;
+}
+
 // Whether all frames have the colours of the first.
 bool is_repeated(const std::vector<Color>& colors, std::size_t vertex_count) {
   for (std::size_t begin = vertex_count; begin < colors.size(); begin += vertex_count) {
@@ -81,7 +105,7 @@ struct MocapCharacter::Impl {
         poisson(of.topology(), of.clip(0).frame(0)),
         follower(of.clips(), markup),
         motions(follow(of, follower)),
-        figure(markup.skeleton, motions),
+        figure(markup.skeleton, motions, "the character", soles_at_rest(markup)),
         retriever(tracks_of(motions), of.clip_names(), graph.active_transitions(), profile,
                   of.frames_per_second()) {
     rig.topology = of.topology();

@@ -81,7 +81,7 @@ void place_missing(Skeleton& standing, const std::vector<int>& body) {
 }  // namespace
 
 StandingFigure::StandingFigure(const Skeleton& skeleton, std::span<const SkeletalMotion> seen,
-                               const std::string& what)
+                               const std::string& what, const std::optional<std::array<double, 2>>& soles)
     : own_(skeleton) {
   validate(skeleton);
   map_ = find_joints(skeleton, what);
@@ -97,7 +97,7 @@ StandingFigure::StandingFigure(const Skeleton& skeleton, std::span<const Skeleta
   }
   rest_pose_stands_ = retargeting::stands_at_rest(skeleton, body);
   const retargeting::StandingRotations found =
-      rest_pose_stands_ ? retargeting::standing_from_rest(skeleton, body, seen)
+      rest_pose_stands_ ? retargeting::standing_from_rest(skeleton, body, seen, soles)
                         : retargeting::standing_from_motions(skeleton, body, seen, what);
   drive(body, found.standing_from_own);
   place_joints(body, found);

@@ -160,6 +160,25 @@ TEST(StandingFigure, IsFoundInMotionsWhenTheRestPoseDoesNotStand) {
   }
 }
 
+TEST(StandingFigure, SolesThatTheSurfaceShowsAreTheGround) {
+  const Skeleton woman = standing_woman();
+  Skeleton raised = woman;
+  for (Joint& joint : raised.joints) joint.rest_position.y() += 0.03;
+  const StandingFigure figure(raised, {}, "the woman", std::array<double, 2>{0.03, 0.03});
+  for (const char* joint : {"left_foot", "right_foot", "left_toe", "head"}) {
+    const auto j = static_cast<std::size_t>(woman.joint_idx(joint));
+    EXPECT_NEAR(figure.standing().joints[j].rest_position.y(), woman.joints[j].rest_position.y(), 1e-9)
+        << joint;
+  }
+  // Marked on uneven ground: both ankles stand as high over their own soles.
+  const StandingFigure uneven(woman, {}, "the woman", std::array<double, 2>{0.0, 0.02});
+  const auto left = static_cast<std::size_t>(woman.joint_idx("left_foot"));
+  const auto right = static_cast<std::size_t>(woman.joint_idx("right_foot"));
+  EXPECT_NEAR(uneven.standing().joints[left].rest_position.y(), woman.joints[left].rest_position.y(), 1e-3);
+  EXPECT_NEAR(uneven.standing().joints[right].rest_position.y(), woman.joints[right].rest_position.y() - 0.02,
+              1e-3);
+}
+
 TEST(StandingFigure, JointsThatTheCharacterLacksStandWhereTheyWouldBe) {
   const Skeleton woman = standing_woman();
   Skeleton plain;

@@ -255,10 +255,12 @@ bool stands_at_rest(const Skeleton& skeleton, const std::vector<int>& body) {
 }
 
 StandingRotations standing_from_rest(const Skeleton& skeleton, const std::vector<int>& body,
-                                     std::span<const SkeletalMotion> seen) {
+                                     std::span<const SkeletalMotion> seen,
+                                     const std::optional<std::array<double, 2>>& soles) {
   constexpr double square = 4.0 * radians_per_degree;
   constexpr double splayed = 10.0 * radians_per_degree;
   constexpr double level = 0.02;  // metres
+  constexpr double even = 0.005;
   StandingRotations result;
   const SkeletonPose rest = rest_pose(skeleton);
   const Body figure(body, rest);
@@ -270,6 +272,12 @@ StandingRotations standing_from_rest(const Skeleton& skeleton, const std::vector
   for (const int side : {0, 1}) {
     double& height = result.ankle_height[index(side)];
     height = figure.position(at(side, foot)).y();
+    if (soles) {
+      const double sole = (*soles)[index(side)];
+      height -= sole;
+      result.moved = result.moved || std::abs(sole) > even;
+      continue;
+    }
     const double leg = (figure.position(at(side, foot)) - figure.position(at(side, thigh))).norm();
     if (!(height > 0.02 * leg && height < 0.3 * leg)) {
       // The rest pose of a motion file hangs in the air or begins at the hips.

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -27,9 +28,11 @@ struct StandingRotations {
   bool moved = true;                        // false: the rest pose is the standing one as it is
 };
 
-// Of a skeleton that stands at rest on the ground at y = 0: turned to face +Z.
+// Of a skeleton that stands at rest: turned to face +Z. `soles`: heights of its soles there, left and right;
+// if they are not known, on the ground at y = 0 or where the feet are seen to stand.
 StandingRotations standing_from_rest(const Skeleton& skeleton, const std::vector<int>& body,
-                                     std::span<const SkeletalMotion> seen);
+                                     std::span<const SkeletalMotion> seen,
+                                     const std::optional<std::array<double, 2>>& soles);
 
 // Of any other, from what was seen of it, on the ground at y = 0. Throws `InvalidArgument` if nothing that
 // stands was seen; `what` names the skeleton.
