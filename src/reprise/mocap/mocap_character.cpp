@@ -65,23 +65,27 @@ std::vector<JointTrack> tracks_of(const std::vector<SkeletalMotion>& motions) {
   return tracks;
 }
 
-// The lowest points of both feet on the marked surface; none if the feet are not marked.
+// The lowest points of both feet on the marked surface, which need not be labelled: of the vertices nearer to
+// one ankle than to the other. None if there is no surface there.
 std::optional<std::array<double, 2>> soles_at_rest(const Markup& markup) {
+  constexpr double foot_length = 0.35;  // metres, at most
   const JointMap map = find_joints(markup.skeleton, "the character");
-  std::array<double, 2> soles = {};
+  std::array<Eigen::RowVector3f, 2> ankles;
   for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
-    const std::string name = side == 0 ? "left_" : "right_";
-    float lowest = std::numeric_limits<float>::infinity();
-    for (const char* bone : {"foot", "toe"}) {
-      const auto joint = map.joints.find(name + bone);
-      if (joint == map.joints.end()) continue;
-      for (const std::int32_t v : markup.vertices_of_joint(markup.skeleton.joint_idx(joint->second))) {
-        lowest = std::min(lowest, markup.reference(v, 1));
-      }
-    }
-    if (!std::isfinite(lowest)) return std::nullopt;
-    soles[side] = static_cast<double>(lowest);
+    const std::string& name = map.joints.at(side == 0 ? "left_foot" : "right_foot");
+    const Joint& joint = markup.skeleton.joints[static_cast<std::size_t>(markup.skeleton.joint_idx(name))];
+    ankles[side] = joint.rest_position.cast<float>().transpose();
   }
+  std::array<double, 2> soles = {std::numeric_limits<double>::infinity(),
+                                 std::numeric_limits<double>::infinity()};
+  for (Eigen::Index v = 0; v < markup.reference.rows(); ++v) {
+    const std::array<float, 2> away = {(markup.reference.row(v) - ankles[0]).norm(),
+                                       (markup.reference.row(v) - ankles[1]).norm()};
+    const std::size_t side = away[0] < away[1] ? 0 : 1;
+    if (static_cast<double>(away[side]) > foot_length) continue;
+    soles[side] = std::min(soles[side], static_cast<double>(markup.reference(v, 1)));
+  }
+  if (!std::isfinite(soles[0]) || !std::isfinite(soles[1])) return std::nullopt;
   return soles;
 }
 

@@ -260,7 +260,6 @@ StandingRotations standing_from_rest(const Skeleton& skeleton, const std::vector
   constexpr double square = 4.0 * radians_per_degree;
   constexpr double splayed = 10.0 * radians_per_degree;
   constexpr double level = 0.02;  // metres
-  constexpr double even = 0.005;
   StandingRotations result;
   const SkeletonPose rest = rest_pose(skeleton);
   const Body figure(body, rest);
@@ -275,7 +274,7 @@ StandingRotations standing_from_rest(const Skeleton& skeleton, const std::vector
     if (soles) {
       const double sole = (*soles)[index(side)];
       height -= sole;
-      result.moved = result.moved || std::abs(sole) > even;
+      result.moved = result.moved || std::abs(sole) > level;
       continue;
     }
     const double leg = (figure.position(at(side, foot)) - figure.position(at(side, thigh))).norm();
