@@ -65,9 +65,24 @@ std::vector<JointTrack> tracks_of(const std::vector<SkeletalMotion>& motions) {
   return tracks;
 }
 
-// The lowest points of both feet on the marked surface, which need not be labelled: of the vertices nearer to
-// one ankle than to the other. None if there is no surface there.
-std::optional<std::array<double, 2>> soles_at_rest(const Markup& markup) {
+// Where the captures stand: the mean over clips of what a twentieth of their frames' lowest points are below.
+double captured_ground(const PerformanceDatabase& database) {
+  double sum = 0.0;
+  for (const MeshSequence& clip : database.clips()) {
+    std::vector<double> lowest;
+    for (std::size_t f = 0; f < clip.frame_count(); ++f) {
+      lowest.push_back(static_cast<double>(clip.frame(f).col(1).minCoeff()));
+    }
+    const auto low = lowest.begin() + static_cast<std::ptrdiff_t>(lowest.size() / 20);
+    std::nth_element(lowest.begin(), low, lowest.end());
+    sum += *low;
+  }
+  return sum / static_cast<double>(database.clips().size());
+}
+
+// The lowest points of both feet on the marked surface over the captured ground. They need not be labelled:
+// of the vertices nearer to one ankle than to the other. None if there is no surface there.
+std::optional<std::array<double, 2>> soles_at_rest(const Markup& markup, double ground) {
   constexpr double foot_length = 0.35;  // metres, at most
   const JointMap map = find_joints(markup.skeleton, "the character");
   std::array<Eigen::RowVector3f, 2> ankles;
@@ -86,7 +101,7 @@ std::optional<std::array<double, 2>> soles_at_rest(const Markup& markup) {
     soles[side] = std::min(soles[side], static_cast<double>(markup.reference(v, 1)));
   }
   if (!std::isfinite(soles[0]) || !std::isfinite(soles[1])) return std::nullopt;
-  return soles;
+  return std::array{soles[0] - ground, soles[1] - ground};
 }
 
 // Whether all frames have the colours of the first.
@@ -109,7 +124,7 @@ struct MocapCharacter::Impl {
         poisson(of.topology(), of.clip(0).frame(0)),
         follower(of.clips(), markup),
         motions(follow(of, follower)),
-        figure(markup.skeleton, motions, "the character", soles_at_rest(markup)),
+        figure(markup.skeleton, motions, "the character", soles_at_rest(markup, captured_ground(of))),
         retriever(tracks_of(motions), of.clip_names(), graph.active_transitions(), profile,
                   of.frames_per_second()) {
     rig.topology = of.topology();

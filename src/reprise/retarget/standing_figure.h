@@ -27,8 +27,8 @@ class StandingFigure {
  public:
   // `seen`: motions of `skeleton` (extracted from the clips); may be empty if the rest pose stands. Throws
   // `InvalidArgument` if required body joints are not found, or the rest pose does not stand and nothing was
-  // seen that does. `soles`: the lowest points of the left and the right foot in the rest pose, metres, where
-  // a surface tells them: captures are rarely marked on level ground.
+  // seen that does. `soles`: the lowest points of both feet (left, right) at rest over the ground, metres,
+  // where a surface tells them: captures are rarely marked on level ground.
   StandingFigure(const Skeleton& skeleton, std::span<const SkeletalMotion> seen,
                  const std::string& what = "the character",
                  const std::optional<std::array<double, 2>>& soles = std::nullopt);
