@@ -158,6 +158,8 @@ JointMap parse_joint_map(std::string_view text, const std::filesystem::path& pat
     json = nlohmann::json::parse(text);
   } catch (const nlohmann::json::parse_error& error) {
     throw FileError(path, fmt::format("byte {}", error.byte), "is not JSON");
+  } catch (const nlohmann::json::exception& error) {  // a number that is too large
+    throw FileError(path, fmt::format("is not JSON: {}", error.what()));
   }
   if (!json.is_object() || !json.contains("joints") || !json["joints"].is_object()) {
     fail(path, R"(expected {"joints": {"left_thigh": "NAME", ...}})");

@@ -235,6 +235,7 @@ TEST(JointMapErrors, OfFiles) {
     return "no error";
   };
   EXPECT_THAT(error("{"), HasSubstr("is not JSON"));
+  EXPECT_THAT(error("222e22222"), HasSubstr("is not JSON"));  // beyond what a number may be
   EXPECT_THAT(error("[]"), HasSubstr("expected {\"joints\""));
   EXPECT_THAT(error(R"({"joints": 1})"), HasSubstr("expected {\"joints\""));
   EXPECT_THAT(error(R"({"joints": {}, "joint": {}})"), HasSubstr("'joint' is not known"));
