@@ -236,6 +236,8 @@ Costume parse_based(std::string_view text, const std::filesystem::path& path,
     root = json::parse(text);
   } catch (const json::parse_error& error) {
     throw FileError(path, fmt::format("byte {}", error.byte), "expected JSON, found a damaged text");
+  } catch (const json::exception& error) {  // a number that is too large
+    throw FileError(path, fmt::format("expected JSON, found what is none: {}", error.what()));
   }
   const Field field(root, path, "");
   if (!root.is_object()) field.fail("a JSON object");

@@ -77,6 +77,7 @@ TEST(Costume, WhatIsWrongIsNamedWithItsPlace) {
   };
   const std::vector<Case> cases = {
       {"{", {"byte"}},
+      {"222e22222", {"expected JSON", "222e22222"}},  // beyond what a number may be
       {"[]", {"expected a JSON object"}},
       {R"({"name": "x"})", {"'motions'", "based_on"}},
       {R"({"based_on": "fashion9"})", {"based_on", "did you mean 'fashion1'?"}},

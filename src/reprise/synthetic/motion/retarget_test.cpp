@@ -107,6 +107,12 @@ double foot_drift(const PerformerClip& clip) {
         way.y() = 0.0;
         return way.norm() * clip.motion.frames_per_second;
       };
+      // A foot that rolls from its heel to its ball between two frames stands on neither throughout.
+      const auto toes_up = [&](std::size_t frame) {
+        const auto j = static_cast<std::size_t>(skeleton.joint_idx(side_name(side) + "foot"));
+        return (clip.motion.frames[frame].rotation[j] * Vector3d::UnitZ()).y();
+      };
+      if (toes_up(f) > 0.0 && toes_up(f + 1) < 0.0) continue;
       greatest = std::max(greatest, std::min(moved("foot", shape.heel), moved("toe", shape.ball)));
     }
   }
@@ -322,7 +328,7 @@ TEST(RetargetRealMotions, FeetStandStillOnTheGroundAndKneesBendForward) {
             ? read_bvh(file)
             : read_acclaim(cmu / "asf" / (file.stem().string().substr(0, 2) + ".asf"), file);
     const PerformerClip clip = retarget(motion, own);
-    EXPECT_LT(foot_drift(clip), 0.008);
+    EXPECT_LT(foot_drift(clip), 0.005);
     EXPECT_GT(lowest_sole(clip), -1e-4);
     EXPECT_LT(lowest_sole(clip), 1e-3);
     double contact = 0.0;
